@@ -9,10 +9,12 @@ from pathlib import Path
 import yaml
 
 from snapmap.applications import gather
+from snapmap.applications.requirements.sections import ShockSection
 from snapmap.config import devices, models, shocks, units
 from snapmap.config.keys import Range
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
+from snapmap.device.quantities import KINDS
 from snapmap.solver.options import OPTIONS
 from snapmap.sweeps import plan
 
@@ -29,28 +31,16 @@ sweep:
   horizon: 1 ms
 
 maps:
-  - {x: thickness, y: spring}                          # thresholds, in colours
-  - {x: thickness, y: spring, at: {N: 1200}}           # outcomes
-  - {x: thickness, y: N, at: {spring: 4 N/m}}          # outcomes, with the threshold as a line
-"""
-
-DEVICES = """\
-devices:
-  first: &first
-    beam: {span: 500 um, rise: 8 um, thickness: 1.9 um, depth: 20 um, youngs_modulus: 160 GPa,
-           density: 2330 kg/m^3}
-    mass: 6 ug
-    spring: 4 N/m
-    contact: 60 N/m
-    gravity: 9.81 m/s^2
-  softer: {<<: *first, spring: 3 N/m}
+  - {x: thickness, y: spring}                 # thresholds
+  - {x: thickness, y: spring, at: {N: 1200}}  # outcomes
+  - {x: thickness, y: N, at: {spring: 4 N/m}}  # both
 """
 
 MODELS = {
     "elements": "Hermite elements on the half beam, as in the handout",
     "cosines": "symmetric cosines",
     "auto": "the cheapest sufficient number of cosines for each cell",
-    "reference": "central differences of the handout in a plain loop; slow",
+    "reference": "the handout's central differences in a plain loop; slow",
 }
 
 OF_VALUES = {
@@ -64,6 +54,11 @@ OF_VALUES = {
     "each of histories": ("a value (`1.9 um`)", "the device's own"),
 }
 """What a section has for each value of the device: what, with an example; if left out."""
+KIND = [*(kind.name for kind in KINDS.values()), "a whole number", "a number"]
+LINKS = {
+    "laws for `reference`": "[laws](own-physics.md#in-a-config) for `reference`",
+    "three laws": "[three laws](applications/laws.md)",
+}
 SECTIONS = {
     "": models.Document,
     "device": devices.DeviceSection,
@@ -88,53 +83,53 @@ for sections in gather("described").values():
 PAGE = """\
 # The config, key by key
 
-A config is a YAML file of one mapping, such as [the handout's](../config/handout.yaml),
-[the same with damping](../config/damped.yaml) or [the tutorial's](../config/sensor.yaml). This page
-comes from the models that read it, by
+With this page you can look up every key of a config, with its unit, range and default. A config is
+a YAML file of one mapping, such as [the handout's](../config/handout.yaml) or
+[the tutorial's](../config/sensor.yaml). `./run python docs/make_config_reference.py` writes this
+page.
 
-    ./run python docs/make_config_reference.py
-
-A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. In µm, ng,
-µs and Hz it must be from {least:g} to {most:g}, or 0 where 0 fits. Each mistake, also an unknown
-key, is reported in one line before any job starts: the key, the value, and what would be right.
-`snapmap check FILE` reports them without a run. Examples are in brackets; an axis is a list or a
-[range](#an-axis-given-as-a-range). Axes and tolerances of the device keep `C` and `damping`, not
-the `quality_factor` that replaces them.
+A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. A number is
+above 0 unless its line or example says otherwise; in µm, ng, µs and Hz it is from {least:g} to
+{most:g}.
+`snapmap check FILE`, or a run before its first job, names each mistake in one line. Examples are in
+brackets. An axis is a list or a [range](#an-axis-given-as-a-range). Files are in the
+study's folder. Axes and tolerances vary `C` and `damping`, not a `quality_factor`.
 
 {sections}
 
 ## Limits
 
-Refused are more than {cells:,} cells; more than {dampings} values of C, as each gets a job; and
-more than {hours:g} core hours, should every cell run to the horizon.
-
-No value is evaluated or reaches a shell. But Snakemake evaluates the expressions of a config with
-`__use_yte__: true` before it can be refused: look for this line in somebody else's config.
+A study has at most {cells:,} cells, {dampings} values of C (each is a job) and {hours:g} core
+hours, should every cell run to the horizon. No value is evaluated or reaches a shell. But Snakemake
+evaluates a config with `__use_yte__: true` before snapmap can refuse it: look for it in a config
+from others.
 
 ## Values of the device as axes
 
 Values of the device under `sweep` are axes of all products, in the order of the config, followed by
-`shape`, `direction`, C, f0 and N.
+`shape`, `direction`, C, f0 and N. Several devices, by name, are the first axis; in YAML,
+`softer: {{<<: *first, spring: 3 N/m}}` repeats a device marked `&first` with another spring. A
+point without a second stable shape is refused, or with `not_bistable: skip` marked `absent`.
 
 ```yaml
 {two_axes}```
-
-A point whose beam has no second stable shape is refused; `not_bistable: skip` marks its cells
-`absent` instead. Several devices, by name, are the first axis:
-
-```yaml
-{devices}```
 """
 
-PLACES = "a list or a range {from, to, points, spacing}, each "
-"""What the page says once, for all axes."""
+SAID_ABOVE = (
+    "a list or a range {from, to, points, spacing}, each ",
+    " in the study's folder",
+    " above 0",
+    "a mapping: ",
+    "the path of ",
+    "true or false: ",
+)
+"""What the page says once, or shows."""
 
 
 def reference() -> str:
     """The text of docs/config.md."""
     document = yaml.safe_load(HANDOUT.read_text(encoding="utf-8"))
     load_config(document | yaml.safe_load(TWO_AXES))
-    load_config({key: document[key] for key in ("model", "sweep")} | yaml.safe_load(DEVICES))
     return PAGE.format(
         least=units.LEAST,
         most=units.MOST,
@@ -143,7 +138,6 @@ def reference() -> str:
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
         two_axes=TWO_AXES,
-        devices=DEVICES,
     )
 
 
@@ -159,7 +153,7 @@ def _sections():
         again, rows = [], {}
         for key in [key for key in keys if key not in values]:
             shown = keys[key].json_schema_extra
-            row = keys[key].description.replace(PLACES, ""), shown["left_out"]
+            row = _shorter(keys[key].description), shown["left_out"]
             if (key, *row) in before:
                 again.append(key)
             else:
@@ -169,13 +163,30 @@ def _sections():
             examples = _listed(filter(None, dict.fromkeys(of.values())))
             what += f" ({examples})" * bool(examples)
             lines.append(_row(_listed(of), what, left_out))
-        lines += [f"- {_listed(again)}: as above"] if again else []
+        if again:
+            shock = ShockSection.model_fields.keys() <= {*again}
+            lines.append(f"- {'keys of other requirements' if shock else _listed(again)}: as above")
         of_sweep = of_sweep or values
         if values:
             less = [key for key in of_sweep if key not in values]
             these = f"those of `sweep`{' but ' + _listed(less) if less else ''}"
             lines.append(_row(_listed(values) if values is of_sweep else these, *OF_VALUES[name]))
         yield "\n".join([*lines, *(_options() if name == "model" else [])])
+
+
+def _shorter(description):
+    """What it is, with its bounds; the example shows the kind."""
+    for words in SAID_ABOVE:
+        description = description.replace(words, "")
+    for words, link in LINKS.items():
+        description = description.replace(words, link)
+    need, _, what = description.partition(": ")
+    kind = next((kind for kind in KIND if need.startswith(kind)), "")
+    if not (kind and what):
+        return description
+    head, *more = what.split("; ")
+    bounds = need.removeprefix(kind).removeprefix(" and").partition(",")[0].strip()
+    return "; ".join([", ".join(filter(None, [head, bounds])), *more])
 
 
 def _row(keys, what, left_out):
@@ -188,9 +199,8 @@ def _listed(keys):
 
 
 def _options():
-    rows = [f"| `{name}` | {MODELS[name]} | {_listed(keys)} |" for name, keys in OPTIONS.items()]
-    head = ["", "Each model has its own options:", "", "| name | what | options |", "|---|---|---|"]
-    return [*head, *rows]
+    rows = [f"- `{name}`, with {_listed(keys)}: {MODELS[name]}" for name, keys in OPTIONS.items()]
+    return ["", "Each name has its own options:", "", *rows]
 
 
 if __name__ == "__main__":

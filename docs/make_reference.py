@@ -6,88 +6,86 @@
 import inspect
 import re
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import fields
 from itertools import groupby
 from pathlib import Path
 
 import snapmap
 from snapmap.device.device import Beam, Device
-from snapmap.device.quantities import QUANTITIES
 from snapmap.pulse.pulse import Pulse
 from snapmap.study.variables import variables
 
 PAGE = """\
 # The functions, one by one
 
-This page lists every function of `snapmap`. Units are µm, ng and µs, so µN,
-MPa and pJ; frequencies are in Hz, N in multiples of g, C in uN us/um. [Recipes](recipes.md) show
-the functions at work. This page comes from the docstrings, by
+With this page you can look up every function of `snapmap`, its arguments and what it returns. Units
+are um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us; frequencies are in Hz, N in
+multiples of g, C in uN us/um, temperatures in degC, thermal coefficients in 1/K.
+`./run python docs/make_reference.py` writes this page. Examples with a `device` begin with
 
-    ./run python docs/make_reference.py
+```pycon
+>>> device = snapmap.load_device("config/config.yaml")
+```
 
 ## Shared arguments and options
 
 Several functions take these; each names its options. A wrong argument raises ValueError or
-TypeError with one line that names it. `calibrate`, `design` and `simulate` take a single device,
-N, f0, C, shape and direction; the others take several of each
-as axes, `srs_test` but one direction.
+TypeError with one line that names it. `calibrate`, `design` and `simulate` take a single device, N,
+f0, C, shape and direction; the others take several as axes, `srs_test` only one direction.
 
 - `device`: a Device, or several by name; `load_device` reads one
 - `N`: amplitude of the shock, from 0
-- `f0`: one over the duration of the shock, above 0; None for a recorded shock's own
+- `f0`: 1/duration of the shock, above 0; None for a recorded shock
 - `C`: damping coefficient of the mass, from 0
-- `model = "auto"`: a name, or a mapping of name and options, as `reference` makes
+- `model = "auto"`: a name, or a mapping of name and options, such as `reference` makes
 - `horizon = 1500`: time followed after the pulse, from 0, us
-- `energy_tolerance = 1e-3`: largest residual of the energy ledger over the pulse's gross work
-- `threads = 1`: threads of the computation, at most 1024; they change no result
-- `start = "first"`: shape in which the beam rests at first; the other is "second"
-- `until = "settled"`: until a cell's well is proven; "snap" ends it at its snap, too
-- `repeat = True`: whether each cell runs again with another step; False with `until="snap"`
+- `energy_tolerance = 1e-3`: largest residual of the energy ledger over the pulse's work
+- `threads = 1`: number of threads, at most 1024, which change no result
+- `start = "first"`: shape in which the beam rests at first, or "second"
+- `until = "settled"`: a run ends when its well is proven; "snap": or at its snap
+- `repeat = True`: whether each cell runs again with another step; False if `until="snap"`
 - `pulse = "versed sine"`: that, "half sine", "sawtooth", "trapezoid", or a Pulse
 - `direction = "+z"`: +z presses the mass on the beam; others are "-z" and "both"
-- `skip = False`: True marks devices without a second stable shape `absent`; False refuses them
-- device axes: values of the device before C, f0 and N, as `thickness=[1.9, 2.0]`, internal units
+- `skip = False`: whether a device without a second stable shape is `absent`, not refused
+- device axes: values of the device, such as `thickness=[1.9, 2.0]`, in internal units
 - model options: [as in the config](config.md#model)
 
 {functions}
 
 ## The cube
 
-Its dimensions are the axes of the device, in the order of the config, `shape` and `direction` if
-there are several, then C, f0 and N. Each device's slice equals a run of that device alone, bit for
-bit. A cell *snaps* when the midpoint first reaches the second equilibrium. With `start: second` the
-two shapes change places.
+Its dimensions are axes of the device, `shape` and `direction` if several, C, f0 and N. Each
+device's slice equals a run of that device alone, bit for bit. A cell *snaps* when the midpoint
+first reaches the second equilibrium. With `start: second` the shapes change places.
 
 Words of `outcome`:
 
-- `never`: it did not snap and never will, as less energy than the barrier is left
-- `latched`: it snapped and stays in the second shape, by the energy of all, or of the beam alone
+- `never`: it did not snap and never will, as its energy is below the barrier
+- `latched`: it snapped and stays in the second shape, by its energy or that of the beam alone
 - `returned`: it snapped and stays in the first shape, by its energy
-- `unsnapped`, `snapped`: its state at the horizon; the future is open
+- `unsnapped`, `snapped`: its state at the horizon; its future is open
 - `failed`: the run diverged, or its energy ledger did not close
 - `absent`: it has no second stable shape (`not_bistable: skip`)
 
 Variables beside `outcome`:
 
 - `t_snap`, `t_settled`: times of the snap and of the proof, us after the pulse's start, or NaN; 
-  attribute `label_distance`: relative distance to a threshold within which [a label can be 
-  wrong](accuracy.md)
-- `blow`: number of the blow of a train or drop that snaps the beam, from 1; else 0
-- `well`, `well_share`: side of the saddle on which the beam ends, and share of the mass's last 
-  swing there (1 where proven); 0 and NaN of `reference`; absent with `until: snap`
-- `energy_error`: residual of the energy ledger over the gross work of the pulse
-- `pulse_work`: work of the whole pulse on mass and beam, pJ; NaN where the run ended earlier
+  attribute `label_distance`: [a label can be wrong](accuracy.md) so near a threshold, relative
+- `blow`: number of the blow of a train or drop that snaps the beam, else 0
+- `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last swing 
+  there (1 where proven); 0 and NaN of `reference`; absent with `until: snap`
+- `energy_error`: residual of the energy ledger over the pulse's gross work
+- `pulse_work`: work of the pulse on mass and beam, pJ; NaN where the run ended earlier
 - `halvings`: number of halvings of the step until the ledger closed
 - `reproduced`, `well_reproduced`: 1 if a run with another step had the same outcome, or well
-- `work_error`, `t_snap_error`: differences to that run, of the work (relative) and of `t_snap` 
-  (us); indicators, no bounds
+- `work_error`, `t_snap_error`: differences to that run in work (relative) and `t_snap` (us), not 
+  bounds
 - `t_closed`, `closed_for`, `openings`, `closed_share`: closures of an electrode, each with its 
   `_error` ([electrode](applications/electrode.md))
 - `level`, `agreed`: level of `auto` that decided, 0 or 1; whether both levels agreed (1), 
-  disagreed (0), or only one looked (2)
+  disagreed (0), or only one ran (2)
 
-Attributes hold the config, the versions of code and packages, the shares of proven and open cells,
-and an estimate of the number of wrong labels.
+Attributes hold the config, versions of code and packages, shares of proven and open cells, and an
+estimate of the number of wrong labels.
 
 ## The classes
 
@@ -97,15 +95,21 @@ and an estimate of the number of wrong labels.
 RETURNED = {
     "sweep": "[The cube](#the-cube) lists the variables.",
     "threshold": "[Thresholds](thresholds.md) explains the variables.",
-    "tolerance": "[Tolerances](applications/tolerances.md) explains the variables.",
-    "simulate": "The variables over `time` (us), each with its `long_name`: "
-    + ", ".join(
-        f"`{key}` ({about['units']})"
-        for key, about in variables("history").items()
-        if key not in ("", "time")
-    )
-    + ".",
 }
+EXAMPLES = {
+    "calibrate": "applications/calibration",
+    "design": "applications/design",
+    "plot_outcome": "own-physics",
+    "read_pulse": "recipes",
+    "reference": "own-physics",
+    "srs_test": "applications/spectra",
+    "statics": "applications/statics",
+    "tolerance": "applications/tolerances",
+    "vibration": "applications/spectra",
+}
+"""Another page that has an example of a function."""
+DEVICE = '>>> device = snapmap.load_device("config/config.yaml")\n'
+"""The first line of examples, which the page has once."""
 MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 
 
@@ -121,23 +125,27 @@ def reference() -> str:
 
 
 def _section(level: str, name: str, described: Callable) -> str:
-    text, _, example = inspect.getdoc(described).partition("\n\n>>> ")
+    text, _, example = inspect.getdoc(described).replace(DEVICE, "").partition("\n\n>>> ")
     parts = [f"{level} `{name}`"]
     parts += [_signature(described)] if inspect.isfunction(described) else []
     parts += _paragraphs(text, inspect.signature(described).parameters)
     parts += [RETURNED[name]] if name in RETURNED else []
-    parts += [_units(described)] if described in (Device, Beam) else []
-    parts += [f"```pycon\n>>> {example}\n```"] if example else []
+    parts += [_variables()] if name == "simulate" else []
+    if page := EXAMPLES.get(name):
+        parts.append(f"Example: [{Path(page).name}]({page}.md).")
+    elif example:
+        parts.append(f"```pycon\n>>> {example}\n```")
     return "\n\n".join(parts)
 
 
-def _units(kind: type) -> str:
-    """Which of its values has which unit."""
+def _variables() -> str:
+    """Which variable of a history has which unit."""
     units = {}
-    for field in fields(kind):
-        if unit := QUANTITIES[field.name].unit if field.name in QUANTITIES else "":
-            units.setdefault(unit, []).append(f"`{field.name}`")
-    return "Units: " + "; ".join(f"{unit} of {', '.join(of)}" for unit, of in units.items()) + "."
+    for key, about in variables("history").items():
+        if key not in ("", "time"):
+            units.setdefault(about["units"], []).append(f"`{key}`")
+    listed = "; ".join(f"{', '.join(of)} ({unit})" for unit, of in units.items())
+    return f"Variables over `time` (us): {listed}."
 
 
 def _signature(function: Callable) -> str:

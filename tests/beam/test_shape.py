@@ -155,5 +155,5 @@ def test_a_measured_shape_is_smoothed(tmp_path):
     assert sum(read.cosines[::2]) == pytest.approx(9.2, abs=0.01)
     assert read.cosines[1] == pytest.approx(1, abs=0.01)
     path.write_text("x (um),w (um)\n" + "\n".join(f"{a},{a % 7}" for a in range(50)))
-    with pytest.raises(ValueError, match=r"shape\.csv: is .* away from 5 cosines"):
+    with pytest.raises(ValueError, match=r"shape\.csv: differs by .* from 5 cosines"):
         read_shape(path)

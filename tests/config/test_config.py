@@ -100,7 +100,7 @@ def test_a_beam_alone(pushed):
     assert section["mass"] == "none" and not {"spring", "contact", "gap", "stops"} & {*section}
     assert read_device(section) == study.device
     assert "no mass" in descriptions(study)[0]
-    assert sum("uN of force on the midpoint" in line for line in doubts(study)) == bool(pushed)
+    assert sum("uN on the midpoint" in line for line in doubts(study)) == bool(pushed)
     assert ("damage_boundary" in boundary.figures(study)) != bool(pushed)
 
 
@@ -110,22 +110,16 @@ def test_load_device_looks_at_the_device_only(tmp_path):
     assert load_device(path) == load_config(DEFAULT).device
 
 
-NUMBERS = st.one_of(
-    st.from_regex(r"[+-]?[0-9]{1,3}(\.[0-9]{0,2})?(e-?[0-9]{1,4})?", fullmatch=True),
-    st.sampled_from(["", "nan", "-inf", "2**9**9", "0x10", "1_0", "."]),
-)
-UNITS = st.one_of(
-    st.from_regex(r"(/ ?)?[a-z\u00b5%]{1,4}([*/ ]{1,2}[A-Za-z]{1,3}(\^|\*\*)?-?[0-9]?){0,3}"),
-    st.sampled_from(["um", "Hz", "kg", "N/m", "us", "uN*us/um", "rad/s", "degC", "/", "m^"]),
-)
-QUANTITIES = st.builds(lambda *parts: "".join(parts), NUMBERS, st.sampled_from(["", " "]), UNITS)
+NUMBER, POWER = r"[+-]?[0-9]{1,3}(\.[0-9]?)?(e-?[0-9]{1,4})?", r"(\^|\*\*)?-?[0-9]?"
+QUANTITIES = rf"{NUMBER} ?(/ ?)?[a-z\u00b5%]{{1,4}}([*/ ]{{1,2}}[A-Za-z]{{1,3}}{POWER}){{0,3}}"
+SIGNS = "0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²"
 
 
 @settings(max_examples=60, derandomize=True, deadline=None, database=None)
-@given(
-    QUANTITIES | st.text(alphabet="0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²", max_size=30)
-)
+@given(st.from_regex(QUANTITIES, fullmatch=True) | st.text(alphabet=SIGNS, max_size=30))
 @example("0 Qs^9*Rs^9/us^9/ns^8")
+@example("2**9**9")
+@example("nan um")
 def test_any_text_is_a_finite_quantity_or_a_fault(text):
     for kind in ("length", "damper", "number"):
         try:
@@ -136,16 +130,13 @@ def test_any_text_is_a_finite_quantity_or_a_fault(text):
             assert math.isfinite(value)
 
 
-def test_a_tolerance_is_a_share_in_percent():
-    document = changed(model={"name": "auto", "tolerance": "0.1 %"})
-    assert load_config(document).model == {"name": "auto", "tolerance": 0.001}
-
-
 def test_default_study_is_exact():
     study = load_config(DEFAULT)
     beam = Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=150000.0, density=0.00233)
     assert study.device == Device(beam, mass=10000.0, spring=5.5, contact=40.0, gravity=9.81e-6)
     assert study.model == DEFAULT["model"]
+    tolerant = load_config(changed(model={"name": "auto", "tolerance": "0.1 %"}))
+    assert tolerant.model == {"name": "auto", "tolerance": 0.001}
     assert np.array_equal(study.axes["N"], np.arange(600.0, 2401.0, 20.0))
     assert np.array_equal(study.axes["C"], [0.025, 25.0, 200.0])
     f0 = study.axes["f0"]
@@ -234,11 +225,11 @@ def test_durations_stand_for_frequencies():
     same = {"from": "100 Hz", "to": "10 kHz", "points": 21, "spacing": "log"}
     np.testing.assert_allclose(axis("duration", log), axis("f0", same), rtol=1e-13)
     pulses = {"f0": "2 kHz"}, {"duration": "0.5 ms"}
-    cells = [{"N": "1e3", "C": "0 kg/s", **one} for one in pulses]
-    for history in load_config(changed(histories=cells[:1])).requests["histories"]:
-        assert history.shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
-        assert load_config(changed(histories=cells[1:])).requests["histories"] == (history,)
-    assert load_config(changed(histories=[])).requests["histories"] == ()
+    first, second = (
+        load_config(changed(histories=[{"N": "1e3", "C": "0 kg/s", **one}])).requests["histories"]
+        for one in pulses
+    )
+    assert first == second and first[0].shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
 
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
@@ -352,17 +343,17 @@ def test_ranges_of_unknowns_leave_a_second_shape(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shots = "N,f0,tripped\n900,1000,no\n1000,1000,yes\n1100,1000,yes\n"
     (tmp_path / "shots.csv").write_text(shots, encoding="utf-8")
-    for ends, side in ((["1.7 um", "4.4 um"], "up to 4.4 um"), (["1.7 um", "4.3 um"], "")):
-        section = {"shots": "shots.csv", "unknowns": {"thickness": ends}, "C": "25 kg/s"}
-        document = changed(calibration=section)
-        if side:
-            line = only_fault(document)
-            assert line.startswith(f"calibration: unknowns: thickness: {side} it leaves no second")
-            assert line.endswith("write a lower end")
-        else:
-            assert load_config(document).requests["calibration"].unknowns == {
-                "thickness": [1.7, 4.3]
-            }
+
+    def study(end):
+        unknowns = {"thickness": ["1.7 um", end]}
+        section = {"shots": "shots.csv", "unknowns": unknowns, "C": "25 kg/s"}
+        return changed(calibration=section)
+
+    line = only_fault(study("4.4 um"))
+    assert line.startswith("calibration: unknowns: thickness: no ") and "high end, 4.4 um" in line
+    assert line.endswith("write a lower one")
+    whole = load_config(study("4.3 um")).requests["calibration"]
+    assert whole.unknowns == {"thickness": [1.7, 4.3]}
 
 
 @pytest.mark.parametrize("document", [None, 3, "device", [], [DEFAULT]])

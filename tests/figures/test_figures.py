@@ -12,18 +12,8 @@ import draw
 import numpy as np
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
-from matplotlib.colors import to_rgb
 from PIL import Image
-from small_results import (
-    ATTRIBUTES,
-    CONFIG,
-    TINY,
-    artists,
-    drawn,
-    legend_words,
-    make_found,
-    visible,
-)
+from small_results import ATTRIBUTES, CONFIG, TINY, artists, drawn, make_found, visible
 
 from snapmap.applications.boundary import figure as boundary
 from snapmap.figures import curves, maps, scales, style, thresholds
@@ -46,30 +36,10 @@ def test_edges_lie_midway_and_surround_a_lone_value(key, values, edges):
     assert scales.scale_of(key, np.array(values)).edges == pytest.approx(edges)
 
 
-@pytest.mark.parametrize("ends", [(1.0, 2.5), (100.0, 3e4), (1e-3, 1e5)])
-@pytest.mark.parametrize("column", [style.single_column, style.double_column])
-def test_logarithmic_axes_have_ticks_enough_and_apart(ends, column):
-    ax = column(height=3.0).subplots()
-    ax.set(xscale="log", xlim=ends)
-    scales.tick(ax.xaxis, *ends)
-    ticks = ax.xaxis.get_majorticklocs()
-    ticks = ticks[(ticks >= ends[0]) & (ticks <= ends[1])]
-    across, _ = ax.transData.transform(np.stack([ticks, ticks], axis=1)).T
-    assert ticks.size >= 3 and np.diff(across).min() > 20 / 72 * ax.figure.dpi
-
-
-def test_no_phrase_breaks_between_two_lines():
-    phrases = ["guided beam", "followed 1.5 ms", "model auto"]
-    text = style.fill(phrases, 28)
-    assert text == "guided beam,\nfollowed 1.5 ms, model auto"
-
-
 def test_figures_over_durations_are_those_over_frequencies():
     found = scales.along(make_found(), "duration", "C")
     np.testing.assert_allclose(found.duration, [0.1, 1.0, 10.0])
     assert found.N_first.sel(C=25.0).values.tolist() == [2000.0, 1100.0, 1000.0]
-    ax = drawn(thresholds.draw_thresholds, found, "duration", "C")
-    assert ax.get_xscale() == "log" and "ms" in ax.get_xlabel()
     assert scales.along(found, "f0") is found
 
 
@@ -105,12 +75,11 @@ def test_thresholds_are_the_data_dashed_and_hollow_where_late():
         assert visible(solid) == [[100.0, N], [1000.0, N + 100]]
 
 
-def test_a_map_of_thresholds_has_their_values_and_says_where_it_is():
-    found = make_found().assign_coords(thickness=1.9)
+def test_a_map_of_thresholds_has_their_values():
+    found = make_found()
     ax = drawn(thresholds.draw_threshold_map, found, "f0", "C")
     (mesh,) = artists(ax, QuadMesh)
     assert mesh.get_array().tolist() == found.N_first.transpose("C", "f0").values.tolist()
-    assert ax.get_title("left") == "thickness 1.9 µm"
 
 
 def test_thresholds_approach_both_limits():
@@ -133,20 +102,16 @@ def test_the_limit_of_long_pulses_is_the_law_of_the_dwell_where_that_holds():
     ax = drawn(thresholds.draw_thresholds, found)
     for line, N in zip(limits(ax, curves.LONG), found.N_slow.values, strict=True):
         assert visible(line) == [[100.0, N[0]], [1000.0, N[1]]]
-        assert line.get_label().endswith("from $N$ = 990 on")
         beyond = ax.lines[ax.lines.index(line) + 1]
         assert visible(beyond) == [[10000.0, 990.0]]
 
 
-def test_figures_of_a_pushed_beam_count_its_force_and_no_velocity_change():
+def test_figures_of_a_pushed_beam_count_its_force():
     device = {"device": {"beam": {}, "mass": "none", "force": "2.0 uN"}}
     found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
     found.attrs["config"] = json.dumps(CONFIG | device)
     ax = drawn(thresholds.draw_thresholds, found)
     assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"
-    legend = ax.figure.legends[0]
-    words = [legend.get_title().get_text(), *legend_words(ax)]
-    assert not [text for text in words if "Delta v" in text]
     two = {"a": device["device"], "b": device["device"] | {"force": "3.0 uN"}}
     attributes = {"config": json.dumps({"devices": two})}
     assert style.multiples(attributes) == "multiples of each force"
@@ -201,11 +166,6 @@ def test_the_pictures_of_pages_are_small_and_in_few_colours(root, tmp_path):
     names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
     assert names == {"map", *pictures["GALLERY"]} and len(names) <= 6
     assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())
-
-
-def test_the_first_lines_differ_in_grey():
-    grey = [np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) for colour, _ in curves.LOOKS[:3]]
-    assert (np.diff(grey) > 0.1).all()
 
 
 def test_thresholds_have_bars_gaps_and_islands():

@@ -56,12 +56,6 @@ def hatched(ax, look):
     return [(*corners[0], *corners[2]) for region in cells for corners in region]
 
 
-def lightness(rgb):
-    """L* of linear RGB."""
-    Y = np.clip(rgb, 0, 1) @ [0.2126, 0.7152, 0.0722]
-    return 116 * np.cbrt(Y) - 16 if Y > 0.008856 else 903.3 * Y
-
-
 def lab(rgb):
     """CIELAB of linear RGB, white D65."""
     to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
@@ -86,9 +80,14 @@ BLIND = {
 @pytest.mark.parametrize("states", [S.STATES, S.SNAPS])
 def test_states_differ_in_grey_and_to_the_colour_blind(states):
     for one, other in itertools.combinations([linear(state.colour) for state in states], 2):
-        assert abs(lightness(one) - lightness(other)) > 11.5
+        assert abs(lab(one)[0] - lab(other)[0]) > 11.5
         for matrix in BLIND.values():
             assert np.linalg.norm(lab(matrix @ one) - lab(matrix @ other)) > 11.5
+
+
+def test_the_first_lines_differ_in_grey():
+    grey = [lab(linear(colour))[0] for colour, _ in curves.LOOKS[:3]]
+    assert (np.diff(grey) > 11.5).all()
 
 
 def test_end_states_tell_the_side_and_how_sure_it_is():
@@ -123,7 +122,7 @@ def test_labels_near_a_change_are_counted():
     for order in (slice(None), slice(None, None, -1)):
         told = with_summary(cells.isel(N=order))
         assert told.attrs["labels_near_change"] == 4
-        assert "about 4 labels within 1 % of a change can be wrong" in summary(told)
+        assert "about 4 labels may be wrong, within 1 % of a threshold" in summary(told)
     assert "wrong" not in summary(with_summary(make_cells(["00", "00"])))
 
 
@@ -148,7 +147,6 @@ def test_time_map_shows_the_snap_times_and_grey_elsewhere():
         assert mesh.get_array().tolist() == [[None, None], times]
         assert mesh.get_clim() == (times[1], times[0])
         assert unit in ax.figure.axes[1].get_xlabel()
-        assert [words.split()[0] for words in legend_words(ax)] == ["no", "failed"]
 
 
 def test_panels_of_times_share_their_colours_and_one_bar():
@@ -160,11 +158,6 @@ def test_panels_of_times_share_their_colours_and_one_bar():
     meshes = [artists(ax, QuadMesh)[1:] for ax in drawn.flat]
     assert [len(several) for several in meshes] == [1, 0, 1]
     assert {mesh.get_clim() for several in meshes for mesh in several} == {(50.0, 300.0)}
-    figure = drawn[0, 0].figure
-    assert len(figure.axes) == drawn.size + 1
-    place = drawn[0, 0].get_position()
-    (label,) = [text for text in figure.texts if text.get_text() == figure.get_supylabel()]
-    assert label.get_position()[1] == pytest.approx((place.y0 + place.y1) / 2)
 
 
 def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
@@ -177,12 +170,6 @@ def test_map_shows_the_refined_threshold_in_its_band_dashed_where_late():
     (band,) = artists(ax, FillBetweenPolyCollection)
     corners = band.get_paths()[0].vertices
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
-
-
-def size(ax):
-    """Width and height of the box, in."""
-    ax.figure.draw_without_rendering()
-    return ax.get_position().size * ax.figure.get_size_inches()
 
 
 POINTS = (Point("bench", 1000.0, 400.0, True), Point("", 1100.0, 800.0, False))
@@ -201,14 +188,8 @@ def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
     for ends, classify in ((True, S.end_states), (False, S.snap_states)):
         ax = snapmap.plot_outcome(TINY, axes(), found=make_found().isel(C=0), ends=ends)
         assert filled(ax)[0] == classify(TINY).values.T.tolist()
-    with pytest.raises(ValueError, match="wells are unknown"):
+    with pytest.raises(ValueError, match="has no wells"):
         snapmap.plot_outcome(TINY.drop_vars("well"), axes(), ends=True)
-
-
-def test_snap_times_are_the_ends_of_all_maps():
-    panels = [TINY.assign(t_snap=TINY.t_snap * factor) for factor in (3.0, np.nan, 0.5)]
-    assert maps.snap_times(panels) == (50.0, 300.0)
-    assert np.isnan(maps.snap_times([])).all()
 
 
 def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_ends_elsewhere():
@@ -252,58 +233,14 @@ def test_snap_states_tell_whether_a_cell_snaps():
     assert ends[:3] == [S.REST_SEEN, S.REST_PROVEN, S.TRIPPED_SEEN]
 
 
-def test_maps_are_alike_whatever_is_written_and_nothing_is_clipped():
-    shocks = [(f"shock {i}", 100.0, 1100.0, True) for i in range(9)]
-    cells = make_cells(["0123456" * 4] * 40, f0=np.geomspace(100, 3e4, 28), N=np.arange(40) + 6e2)
-    drawn = snap_map(TINY, make_found().isel(C=0), required_shocks=shocks), end_map(cells)
-    for ax in drawn:
-        style.fit(ax.figure, maps.RATIO)
-        width, height = size(ax)
-        assert height == pytest.approx(maps.RATIO * width, rel=0.02) and 2.5 < width < 2.9
-        tight, (wide, high) = ax.figure.get_tightbbox(), ax.figure.get_size_inches()
-        assert min(tight.x0, tight.y0) > -0.01
-        assert tight.x1 < wide + 0.01 and tight.y1 < high + 0.01
-
-
-@pytest.mark.parametrize("number", [3, pytest.param(11, marks=pytest.mark.long)])
-def test_maps_side_by_side_are_alike_and_share_one_legend(number):
-    panels = [(TINY.assign_coords(C=25.0 + C), None, ()) for C in range(number)]
-    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", shows="ends")
-    there = [ax for ax in drawn.flat if ax is not None]
-    assert len(there) == number and drawn.shape[1] <= 4 and drawn.size < number + drawn.shape[1]
-    assert np.ptp([size(ax) for ax in there], axis=0) == pytest.approx([0, 0], abs=1e-4)
-    titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in there]
-    assert [title.split()[2] for title in titles] == [f"{25 + C}" for C in range(number)]
-    (legend,) = there[0].figure.legends
-    assert f"({7 * number} cells)" in legend.get_texts()[1].get_text()
-
-
-def test_panels_have_one_key_for_their_limits_and_what_they_share_stands_below():
-    found = make_found().isel(C=0, drop=True)
-    panels = [
-        (TINY.assign_coords(C=25.0, thickness=t), found.assign(N_static=1000.0 + t), shocks)
-        for t, shocks in ((1, []), (2, [("crash", 400.0, 1000.0, True)]))
-    ]
-    drawn = maps.draw_maps(style.double_column(height=9), panels, "f0", "N")
-    (legend,) = drawn[0, 0].figure.legends
-    labels = [text.get_text() for text in legend.get_texts()]
-    assert [label for label in labels if label.startswith(curves.LONG)] == [curves.LONG]
-    words = legend.get_title().get_text()
-    assert "$C$ = 25" in words and words.endswith("1: crash")
-    assert [len(ax.texts) for ax in drawn.flat] == [0, 1]
-    titles = [ax.get_title(loc="left").replace("\xa0", " ") for ax in drawn.flat]
-    assert titles == ["thickness 1 µm", "thickness 2 µm"]
-
-
-def test_shocks_and_points_have_numbers_and_names_as_they_are():
+def test_shocks_stand_where_they_are_and_names_are_no_mathematics():
     name = r"$\frac$ of {x}"
     shocks = [("far", 1e3, 1e6, True), ("back", 400.0, 1000.0, False), (name, 400.0, 1000.0, True)]
     ax = snap_map(TINY, required_shocks=shocks)
     top = ax.get_ylim()[1]
     assert [(text.get_text(), *text.xy) for text in ax.texts] == [("1", 1e3, top), ("3", 400, 1000)]
-    below = ax.figure.legends[0].get_title().get_text().replace("\n", " ")
     ax = snap_map(TINY, own_points=[Point(name, 1000.0, 400.0, True)])
-    assert all(text.endswith(r"\$\frac\$ of {x}") for text in (below, ax.texts[0].get_text()))
+    assert ax.texts[0].get_text() == r"\$\frac\$ of {x}"
 
 
 def test_where_no_threshold_is_the_edge_is_marked():
@@ -342,7 +279,7 @@ def test_points_are_read_and_their_faults_named_by_line_column_and_value(tmp_pat
         assert str(fault.value).startswith(f"{path}: {place}") and "\n" not in str(fault.value)
 
 
-def test_axes_end_at_the_grid_with_ticks_and_the_duration_above():
+def test_axes_end_at_the_grid_with_the_duration_above():
     ax = end_map(TINY)
     ax.figure.draw_without_rendering()
     (top,) = ax.child_axes
@@ -354,10 +291,7 @@ def test_axes_end_at_the_grid_with_ticks_and_the_duration_above():
     ax = end_map(cells)
     (mesh,) = artists(ax, QuadMesh)
     assert mesh.get_rasterized() and (mesh.get_array() == S.end_states(cells).values.T).all()
-    ax.figure.draw_without_rendering()
     assert ax.get_xlim() == pytest.approx((100, 3e4)) and ax.get_ylim() == (600, 2400)
-    heights = {label.get_text() for label in ax.get_yticklabels()}
-    assert {"600", "900", "1200", "1500", "1800", "2100", "2400"} <= heights
 
 
 @pytest.mark.parametrize("rows", [["5"], ["6"], ["5", "2", "0"]])
@@ -365,10 +299,3 @@ def test_odd_grids_draw_without_warnings(rows):
     cells = make_cells(rows)
     for draw in (end_map, snap_map, time_map):
         draw(cells).figure.draw_without_rendering()
-
-
-def test_a_map_of_one_cell_has_its_values_as_ticks():
-    ax = end_map(make_cells(["2"], f0=[1500.0], N=[1000.0]))
-    ax.figure.draw_without_rendering()
-    for axis, words in [(ax.xaxis, "1500"), (ax.yaxis, "1000"), (ax.child_axes[0].xaxis, "0.6667")]:
-        assert [label.get_text() for label in axis.get_ticklabels(which="both")] == [words]

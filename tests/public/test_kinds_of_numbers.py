@@ -23,43 +23,25 @@ RIGHT = {
     **{"energy_tolerance": 0.25, "reach": 0.5, "confidence": 0.5, "reliability": 0.5},
     **{"failures": 1, "between": [1.75, 2.25], "psd": [[20.0, 0.5], [2000.0, 0.5]]},
     **{"srs": [[500.0, 700.0], [2000.0, 1500.0]], "N": 1000.0, "f0": 1500.0, "C": 25.0},
-    "unknowns": {"thickness": [1.75, 2.25], "C": [1.0, 32.0]},
+    **{"unknowns": {"thickness": [1.75, 2.25], "C": [1.0, 32.0]}, "tolerance": 2.0**-7},
     "scatters": {"thickness": 0.125, "rise": {"uniform": 0.5}, "depth": "5 %"},
     "requirements": [{"name": "a", "N": 500.0, "f0": 1500.0, "snaps": True}],
-    **{
-        "time": [0.0, 1.0, 2.0],
-        "acceleration": [0.0, 1.0, 0.0],
-        "restitution": 0.5,
-        "tolerance": 2.0**-7,
-    },
+    **{"time": [0.0, 1.0, 2.0], "acceleration": [0.0, 1.0, 0.0], "restitution": 0.5},
     **dict.fromkeys(("contact_at", "residual_stress"), -8.0),
 }
 """Values that a float of 32 bits holds, too."""
 NO_NUMBERS = {
-    *(
-        "ax",
-        "cube",
-        "direction",
-        "earlier",
-        "ends",
-        "found",
-        "laws",
-        "mass_matrix",
-        "method",
-        "model",
-    ),
-    *("device", "name", "path", "prior", "pulse", "repeat", "sha256", "shots", "skip", "start"),
-    *("studies", "together", "until", "value", "x", "y"),
+    *("ax", "cube", "direction", "earlier", "ends", "found", "laws", "mass_matrix", "method"),
+    *("device", "model", "name", "path", "prior", "pulse", "repeat", "sha256", "shots", "skip"),
+    *("start", "studies", "together", "until", "value", "x", "y"),
 }
 
 
 def arguments_of(name):
     """What a function takes, with its options and those of its models."""
-    named = [
-        key for key in inspect.signature(getattr(snapmap, name)).parameters if key != "options"
-    ]
+    named = inspect.signature(getattr(snapmap, name)).parameters
     of_models = itertools.chain(*OPTIONS.values()) if "model" in named else ()
-    return dict.fromkeys((*named, *options_of(getattr(snapmap, name)), *of_models))
+    return {*named, *options_of(getattr(snapmap, name)), *of_models} - {"options"}
 
 
 def model_of(key):
@@ -69,10 +51,7 @@ def model_of(key):
 def taken(name, key, value):
     """What the function is called with in place of a value."""
     signature = inspect.signature(getattr(snapmap, name).__wrapped__)
-    is_of_model = key not in (
-        *signature.parameters,
-        *options_of(getattr(snapmap, name)),
-    )
+    is_of_model = key not in (*signature.parameters, *options_of(getattr(snapmap, name)))
 
     def double(**named):
         return named["model"] if is_of_model else named
@@ -118,7 +97,7 @@ FUNCTIONS = [
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_each_numeric_argument_of_each_function_takes_each_kind(name):
-    for key in arguments_of(name).keys() - NO_NUMBERS:
+    for key in arguments_of(name) - NO_NUMBERS:
         right = RIGHT.get(key, 2.0)
         for value in kinds_of(right):
             behind = taken(name, key, value)

@@ -1,7 +1,6 @@
 """Trains of blows and drops with rebound, against closed forms and single blows."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,14 +8,9 @@ from conserving_loop import assert_followed
 from varied import varied
 
 import snapmap
-from snapmap.device.device import batch
 from snapmap.pulse.pulse import blow_at, make_pulse
 from snapmap.pulse.trains import GRAVITY, make_drop, make_train
-from snapmap.solver.adaptive import choose_survey
-from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.cost import survey_seconds
 
 BLOW = {"shape": "half sine", "duration": 500.0}
 
@@ -109,20 +103,3 @@ def test_the_kernel_follows_the_plain_loop_through_a_train(handout):
     parts = {"shape": "sawtooth", "duration": 90.0}, {"wait": 60.0}, {**BLOW, "duration": 99.0}
     pulse, model = make_train(parts), build_model(handout, "cosines", modes=3)
     assert_followed(model, pulse, 700.0, 1e6 / pulse.duration, 25.0, 0.2, 1400)
-
-
-def test_a_train_is_told_to_take_longer_than_a_shock_of_its_duration(handout):
-    models, settings = choose_survey(batch([handout]), {"name": "cosines"}), Settings()
-    train = make_train([{"duration": 500.0}, {"wait": 500.0}, {"repeat": 4}])
-    other = make_train([{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}])
-
-    def told(*pulses):
-        rows = to_rows(0, 250.0, 25.0, range(len(pulses)), pulses)
-        return survey_seconds(models, rows, settings)
-
-    def alike(pulse):
-        """Told of a record of the same samples."""
-        return told(replace(pulse, blows=np.empty(0), strongest=None))
-
-    assert told(train) > 5 * alike(train)
-    assert told(train, other) == pytest.approx(told(train) + told(other))

@@ -125,7 +125,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == "snapped"
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all() and np.isnan(run.contact_energy).all()
-    with pytest.raises(ValueError, match=r"model\.laws: are for simulate, sweep, threshold"):
+    with pytest.raises(ValueError, match=r"model\.laws: work only with simulate, sweep, threshold"):
         snapmap.tolerance(device, {"mass": 1.0}, N=[1], f0=[1], C=[1], model=model)
 
 
@@ -148,11 +148,11 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     ("written", "line"),
     [
         ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
-        ("x = 1", "none; write a function damping, contact, force"),
-        ("def contact(k, s): return 'a'", "contact: gives a str; write a float"),
+        ("x = 1", "no law; write a function named damping or contact or force"),
+        ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
-        ("damping = 1", "damping: is no function"),
-        ("def force(x): return x", "force: is no double well; write 0 at 0, then"),
+        ("damping = 1", "damping: is not a function"),
+        ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
     ],
 )
@@ -167,10 +167,10 @@ def test_a_file_that_has_no_laws_is_one_line(handout, tmp_path, monkeypatch, wri
 
 def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
-    with pytest.raises(ValueError, match=r"device\.stops: are not for a law of the contact"):
+    with pytest.raises(ValueError, match=r"device\.stops: do not work with a law of the contact"):
         build_model(replace(handout, stop_away=3.0), **contact)
     force = snapmap.reference(force=laws("double_well").force) | {"elements": 5}
-    with pytest.raises(ValueError, match=r"model\.elements: a law of the force takes none"):
+    with pytest.raises(ValueError, match=r"model\.elements: has no effect with a law of the force"):
         build_model(handout, **force)
 
 
@@ -188,9 +188,9 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
     assert study.files()["mylaws.py"] == study.model["sha256"] != edited.model["sha256"]
-    with pytest.raises(ConfigError, match=r"^model\.laws: not an option of auto"):
+    with pytest.raises(ConfigError, match=r"^model\.laws: is not an option of auto"):
         load_config(config | {"model": {"name": "auto", "laws": "mylaws.py"}})
-    with pytest.raises(ConfigError, match=r"^tolerances: is not for a model with laws"):
+    with pytest.raises(ConfigError, match=r"^tolerances: does not work with model"):
         load_config(config | {"tolerances": {"thickness": "1 %"}})
 
 

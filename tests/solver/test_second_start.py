@@ -143,16 +143,15 @@ def test_the_energy_above_the_second_shape_is_within_both_bounds(handout):
         assert 0 < slow < static_threshold(device, back=True)
 
 
-def test_the_config_of_the_recipe_says_where_runs_start(root):
-    page = (root / "docs" / "recipes.md").read_text(encoding="utf-8").split("brings it back?")[1]
-    asked = yaml.safe_load(page.split("```")[1].removeprefix("yaml"))
+def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
-    whole |= {"requirements": asked["requirements"], "sweep": whole["sweep"] | asked["sweep"]}
+    shock = {"N": 1000, "f0": "2 kHz", "snaps": True}
+    whole["requirements"] = [{"name": "a", **shock, "start": "second"}, {"name": "b", **shock}]
+    study = load_config(whole)
+    assert [one.get("start") for one in shocks_of(study)] == ["second", None]
+    whole["sweep"]["start"] = "second"
     study = load_config(whole)
     assert study.settings.start == study.of_thresholds().settings.start == "second"
-    assert [one["start"] for one in shocks_of(study)] == ["second", "second"]
-    del whole["requirements"][0]["start"]
-    assert "start" not in shocks_of(load_config(whole))[0]
     whole["sweep"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)

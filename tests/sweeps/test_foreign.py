@@ -9,11 +9,11 @@ import snapmap
 CHANGES = {
     "lost its attribute flag_meanings": lambda cube: cube.drop_attrs(),
     "has no codes of outcomes": lambda cube: cube.assign(outcome=cube.outcome.astype(str)),
-    "-1 is no code of an outcome; these are 0 to 6": lambda cube: with_code(cube, -1),
-    "8 is no code of an outcome; these are 0 to 6": lambda cube: with_code(cube, 8),
-    "N has values that are no numbers": lambda cube: cube.assign_coords(N=[np.nan, 1, 2, 3]),
-    "f0 has values that are no numbers": lambda cube: cube.assign_coords(f0=[*"abcd"]),
-    "its attribute config is no JSON": lambda cube: cube.assign_attrs(config="model: auto"),
+    "-1 is not a code of an outcome; codes are 0 to 6": lambda cube: with_code(cube, -1),
+    "8 is not a code of an outcome; codes are 0 to 6": lambda cube: with_code(cube, 8),
+    "N is an axis of numbers, but": lambda cube: cube.assign_coords(N=[np.nan, 1, 2, 3]),
+    "f0 is an axis of numbers, but": lambda cube: cube.assign_coords(f0=[*"abcd"]),
+    "its attribute config is not JSON": lambda cube: cube.assign_attrs(config="model: auto"),
 }
 
 

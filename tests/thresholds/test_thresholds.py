@@ -9,16 +9,29 @@ import snapmap
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import Window, amplitudes, asker, near, refine, scan, walk
+from snapmap.thresholds.search import (
+    Seen,
+    Window,
+    amplitudes,
+    around,
+    asker,
+    joined,
+    near,
+    refine,
+    scan,
+    stretches,
+    walk,
+)
 from snapmap.thresholds.survey import (
     CLEAN_REACH,
     CLOSE_STEP,
-    Close,
+    RAGGED_REACH,
+    RAGGED_STEP,
     decide,
     find_islands,
     first_seen,
     island_limits,
-    stretches,
+    scan_ragged,
 )
 from snapmap.thresholds.survey import distance as distance_to
 
@@ -76,14 +89,17 @@ def surveyed(coarse, fine, highest=None):
 
     wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
     rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
-    limits = island_limits(rough, None, highest)
+    limits = island_limits(rough, None, highest, np.zeros(2, bool))
     window, ragged = find_islands(asking(coarse), limits)
 
     def closely(low, high):
         close = Window(low / CLEAN_REACH, high * CLEAN_REACH, np.full(low.size, CLOSE_STEP))
-        return Close(*scan(asking(fine), close.N), close.low, close.high)
+        return Seen(*scan(asking(fine), close.N), close.low, close.high)
 
-    edges, open_end, *_ = decide(asking(fine), closely, window, limits, ragged)
+    seen, clean = decide(asking(fine), closely, window, ragged)
+    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(~clean)
+    scanned, _ = scan_ragged(asking(fine), [asking(coarse)], window, seen.of(~clean))
+    edges, open_end = joined(seen.of(clean).edges, scanned.edges), ~clean & ~scanned.ends
     row, *ends, rising = edges
     low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
     edges = edges._replace(low=low, high=high)
@@ -170,6 +186,6 @@ def test_a_threshold_is_where_the_sweep_changes(handout):
 
 def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
     asked = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
-    with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds the refinement alone; .* 1 of 1"):
+    with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
         close = snapmap.threshold(handout, **asked, tolerance=1e-5)
     assert close.N_error.item() > 2e-5 * close.N_first.item()

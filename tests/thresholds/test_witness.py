@@ -17,7 +17,7 @@ def test_no_stretch_that_counts_is_missed_beside_a_threshold(handout):
     rows, asked = to_rows(0, f0, [25.0, 100.0, 200.0]), []
     N = lowest(models, rows, settings, 1e-4)
     counted = Counted(models.decides, asked)
-    edges, begins, _ = close_edges(counted, rows, settings, N / 1.0001, N)
+    edges, begins, *_ = close_edges(counted, rows, settings, N / 1.0001, N)
     window = Window(N / CLEAN_REACH, N * CLEAN_REACH, np.full(N.size, CLOSE_STEP))
     dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
     ragged = 0

@@ -24,7 +24,7 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
     assert text == (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
     config.write_text("mine")
     assert main(["init", str(config.parent)]) == 1
-    assert capsys.readouterr().err.startswith(f"{config}: is there already")
+    assert capsys.readouterr().err.startswith(f"{config}: exists already")
     assert config.read_text() == "mine"
     config.unlink()
     config.symlink_to("elsewhere.yaml")

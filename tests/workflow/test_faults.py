@@ -168,7 +168,7 @@ def test_ctrl_c_ends_a_run_in_one_line(folder, listening):
     output, _ = run.communicate(timeout=60)
     assert run.returncode == 1 and not psutil.wait_procs(jobs, timeout=20)[1]
     assert "Traceback" not in output and "Error" not in output
-    assert output.count("interrupted: what is whole is kept") == 1
+    assert output.count("interrupted: finished files are kept") == 1
 
 
 @pytest.mark.long
@@ -186,7 +186,7 @@ def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
     broken = min(folder.slabs.glob("*.nc"))
     broken.write_bytes(broken.read_bytes()[:20000])
     code, output = folder.run()
-    assert code != 0 and f"results/slabs/{broken.name}: not a whole slab" in output
+    assert code != 0 and f"results/slabs/{broken.name}: is damaged" in output
     assert "Traceback" not in output and "WorkflowError" not in output and ", line " not in output
     assert not folder.cube.exists()
     broken.unlink()

@@ -74,7 +74,7 @@ def test_what_cannot_be_removed_is_named_and_stays_listed(results):
     (results / "window.nc").mkdir()
     for _ in range(2):
         assert remove_others("results", ()) == [
-            "results/window.nc: of an older config, and cannot be removed"
+            "results/window.nc: from an older config, and cannot be removed"
         ]
 
 

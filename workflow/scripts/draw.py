@@ -8,6 +8,9 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
+sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
+# ruff: noqa: E402
+
 import xarray as xr
 
 from snapmap.applications import attached

@@ -4,6 +4,7 @@ study: a `Config`, which each job reads anew by `planned_study`
 Imports stand in the functions: a job of cells does without xarray.
 """
 
+import sys
 from tempfile import TemporaryDirectory
 
 from snapmap.applications import attached, functions
@@ -66,4 +67,6 @@ def function_of(rule):
 
 
 if __name__ == "__main__":
+    if snakemake.rule != "collect":  # xarray would import it to see that no array is lazy
+        sys.modules["dask"] = None
     run_rule(function_of(snakemake.rule), snakemake, planned_study)

@@ -56,7 +56,7 @@ def test_the_damper_that_puts_the_threshold_where_it_is_wanted(handout):
     assert told.N_first[1].item() == pytest.approx(1000, rel=2e-4)
     slope = (told.N_first[2] - told.N_first[0]).item() / 20
     assert found.error == pytest.approx(told.N_error[1].item() / slope, rel=0.5)
-    with pytest.raises(ValueError, match=r"^C: is the value to find; leave it out$"):
+    with pytest.raises(ValueError, match=r"^C: is the value that design searches; leave it out$"):
         snapmap.design(handout, "C", between=(10.0, 400.0), C=25.0, **shock)
 
 
@@ -116,7 +116,7 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
     ]
     record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
     within = {"C": 25.0, "between": (1.8, 2.5), "requirements": [asked]} | CHEAP
-    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as that of"):
+    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as the study"):
         snapmap.design(handout, "thickness", pulse=record, **within)
     within["requirements"] = [asked | {"snaps": "any"}]
     with pytest.raises(ValueError, match="requirements: drop: snaps: any has no threshold"):

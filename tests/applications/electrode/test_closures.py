@@ -14,7 +14,7 @@ import snapmap
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
-from snapmap.applications.requirements.check import Verdict
+from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.solver.settings import Settings
@@ -133,7 +133,7 @@ def test_devices_of_a_study_have_an_electrode_or_none():
     document = yaml.safe_load(TINY)
     plain = document.pop("device")
     document["devices"] = {"plain": plain, "closing": plain | {"contact_at": "-5 um"}}
-    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have one"):
+    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have it"):
         load_config(document)
 
 

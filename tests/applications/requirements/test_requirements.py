@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.applications.requirements.check import Verdict, check, judge, summary, worst
-from snapmap.applications.requirements.corners import corners
+from snapmap.applications.requirements.check import check, judge, summary, worst
+from snapmap.applications.requirements.corners import Verdict, corners
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.settings import Settings

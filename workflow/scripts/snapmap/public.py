@@ -73,11 +73,11 @@ def _bound(function, parameters, of_function, positional, named):
         values["model"] = take_model(model | {key: values.pop(key) for key in of_model})
         options = [key for key in options if key not in of_model]
         if "laws" in values["model"] and function not in OF_LAWS:
-            raise ValueError(f"model.laws: are for {', '.join(OF_LAWS)}; write another model")
+            raise ValueError(f"model.laws: work only with {', '.join(OF_LAWS)}; leave them out")
     for key in options:
         if key not in of_function:
             known = [*parameters, *of_function, *(OF_MODEL if "model" in parameters else ())]
-            raise ValueError(f"{key}: is no option{_hint(function, key, known)}")
+            raise ValueError(f"{key}: is not an option{_hint(function, key, known)}")
         values[key] = of_function[key].take(key, values[key])
     return values
 

@@ -180,8 +180,8 @@ def require_rest(rest: Rest) -> None:
     """Raise ValueError, one line, if a beam does not stay in its second shape, where it rests."""
     if not np.isfinite(rest.energy).all():
         raise ValueError(
-            "start: second, where a beam that is free to tilt does not stay; write first, or "
-            "guide: guided"
+            "start: second needs a guided beam, as a beam free to tilt does not stay there; write "
+            "first, or guide: guided"
         )
 
 

@@ -28,7 +28,7 @@ class ShapeSection(Section):
 
     cosines: many(
         quantity("part"),
-        "a list of up to 5 amplitudes of 1 - cos(2 n pi x/L); the midpoint keeps the rise",
+        "a list of up to 5 amplitudes of 1 - cos(2 n pi x/L), scaled to the rise",
         out="`file`",
         least=1,
     )
@@ -76,7 +76,7 @@ class BeamSection(section_of("beam", rise="distance")):
     known_as = "device.beam"
     shape: part(ShapeSection, out="a cosine")
     clamp: part(ClampSection, out="rigid")
-    guide: word("guided", "free", what="a free beam may tilt", out="`guided`")
+    guide: word("guided", "free", what="a free beam can tilt", out="`guided`")
     quality_factor: quantity(
         "quality",
         "quality factor of the first symmetric mode; replaces `damping`",
@@ -125,7 +125,7 @@ class BeamSection(section_of("beam", rise="distance")):
             raise ValueError(f".{beside}: repeats the cosines of shape; write one of them")
         rise = sum(terms[::2])
         if not rise > 0:
-            raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}; write more")
+            raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}, not above 0")
         return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
 
 
@@ -175,7 +175,7 @@ class DeviceSection(section_of("", mass="body")):
             line = "needs a mass; leave it out"
             faults |= {name: line for name in extra if name in device}
         if pushed and "gravity" in device:
-            faults["gravity"] = "excludes force, as N counts multiples of one of them; write one"
+            faults["gravity"] = "excludes force, as N counts multiples of either; write one of them"
         return {(name,): line for name, line in faults.items()}
 
     def make(self) -> Device:
@@ -211,10 +211,9 @@ def of_device(make, names=RARE_LAST):
 
 
 def load_device(path: ExistingPath) -> Device:
-    """Read the device of a config file and ignore its other sections.
+    """Read the device of a config file, of which other sections are ignored.
 
-    A warning names the C that a `quality_factor` of the mass stands for. Invalid files raise
-    ConfigError.
+    It warns which C a `quality_factor` of the mass is. An invalid file raises ConfigError.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
@@ -226,7 +225,7 @@ def load_device(path: ExistingPath) -> Device:
     lines = [f"device, {section.beam.measured}"] if section.beam.measured else []
     if section.has("quality_factor"):
         lines.append(
-            f"device.quality_factor: stands for C = {section.C:.6g} uN*us/um; give it to each call"
+            f"device.quality_factor: is C = {section.C:.6g} uN*us/um; pass this C to each function"
         )
     for line in lines:
         warnings.warn(line, stacklevel=3)

@@ -13,7 +13,7 @@ from .plausible import implausible
 from .points import read_points
 from .vibrations import vibrations
 
-IDLE = "changes nothing without device.thermal; write its values there"
+IDLE = "has no effect without device.thermal; write modulus, mismatch or damping there"
 TILTING = 8
 """Shapes of each kind that decide whether a free beam has a second stable one."""
 
@@ -45,7 +45,9 @@ def doubts(study: Study) -> list[str]:
     for name, device in study.devices().items():
         remarks, force = [tilting(device.beam), stopped(device)], device.force
         if force:
-            remarks.append(f"N counts {force:g} uN of force on the midpoint, also where g is named")
+            remarks.append(
+                f"N counts multiples of {force:g} uN on the midpoint, also where a text says g"
+            )
         slopes = device.modulus_slope, device.expansion_mismatch, device.damper_exponent
         if "temperature" in axes and not any(slopes):
             remarks.append(f"temperature: {IDLE}")
@@ -63,13 +65,13 @@ def tilting(beam: Beam) -> str:
     if not beam.free and not beam.stays_if_free:
         ratio = beam.rise / beam.thickness
         return (
-            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only; one free to tilt "
-            "does not stay in the second shape"
+            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only, as a beam free to "
+            "tilt leaves the second shape; write guide: free if it can tilt"
         )
     if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
         return (
-            "free to tilt, the beam has no stable second shape: a snap is the midpoint's first "
-            "arrival where a guided beam has its own, and nothing latches"
+            "beam free to tilt: no stable second shape, so nothing latches; a snap is the first "
+            "arrival at the guided beam's second shape"
         )
     return ""
 
@@ -81,11 +83,11 @@ def stopped(device: Device) -> str:
     travel = device.stop_toward
     needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
     if travel <= device.gap:
-        return f"stops.toward: {travel:.4g} um is not beyond the gap; the mass never meets the beam"
+        return f"stops.toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:
         return (
-            f"stops.toward: {travel:.4g} um is short of the saddle, {needed:.4g} um from rest: a "
-            "slow push does not snap the beam, a fast one only by the speed that it gives the beam"
+            f"stops.toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "
+            "slow shock does not snap the beam, and a fast one only by the beam's momentum"
         )
     return ""
 
@@ -99,5 +101,5 @@ def outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
             if not low <= value <= high:
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
                 who = f"{path}: {point.name or f'point {number}'}"
-                lines.append(f"{who} lies on no map: {place}")
+                lines.append(f"{who} is outside every map: {place}")
     return lines

@@ -264,16 +264,16 @@ def inside(file: str) -> str:
 class Range(Section):
     """A range of values, both ends counted."""
 
-    start: Annotated[object, words("one end, a value of the axis"), Field(alias="from")]
-    stop: Annotated[object, words("the other end, a value of the axis"), Field(alias="to")]
-    points: argument(integer(1, 1_000_000), "number of values, both ends counted")
+    start: Annotated[object, words("one end"), Field(alias="from")]
+    stop: Annotated[object, words("the other end"), Field(alias="to")]
+    points: argument(integer(1, 1_000_000), "number of values")
     spacing: word("linear", "log", out="`linear`")
 
     def make(self) -> np.ndarray:
         """From one end to the other; names ends that do not fit the points, or their spacing."""
         ends = [self.start, self.stop]
         if not np.isfinite(ends).all():
-            raise ValueError("hard is no end of a range; write a list")
+            raise ValueError("hard cannot be an end of a range; write a list")
         if (self.points == 1) != (self.start == self.stop):
             need = "equal ends" if self.points == 1 else "from and to that differ"
             raise ValueError(f".points: {self.points} needs {need}; write other ends or points")

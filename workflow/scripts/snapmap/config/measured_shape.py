@@ -60,14 +60,14 @@ def read_shape(path: str | Path) -> Measured:
         content = read_named(path, *PROFILE)
         x, w = read_table(content, {"x": LENGTHS, "w": LENGTHS}, most=MOST).values()
         if x.size < LEAST:
-            raise ValueError(f"has {x.size} points; write {LEAST} at least")
+            raise ValueError(f"has {x.size} points; write {LEAST} or more")
         if not np.ptp(x) > 0:
-            raise ValueError("has all points at one x; write some from clamp to clamp")
+            raise ValueError("has all points at one x; write points from clamp to clamp")
         length = float(np.ptp(x))
         measured = _fit((x - x.min()) / length, w, length)
         if not measured.rms <= FARTHEST * measured.rise:
             raise ValueError(
-                f"is {measured.rms:.3g} um (rms) away from {COSINES} cosines of a rise of "
+                f"differs by {measured.rms:.3g} um (rms) from {COSINES} cosines of a rise of "
                 f"{measured.rise:.3g} um; write w along one beam, from clamp to clamp"
             )
         return measured

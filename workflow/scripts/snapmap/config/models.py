@@ -47,11 +47,10 @@ class ModelSection(Section):
         out="`5` cosines; elements: all, with hard contact three quarters",
     )
     tolerance: quantity(
-        "share", "largest error of thresholds by `auto`", out=f"`{100 * TOLERANCE:g} %`"
+        "share", "largest relative error of thresholds", out=f"`{100 * TOLERANCE:g} %`"
     )
     laws: path(
-        "a Python file in the study's folder with laws for `reference`: "
-        "[your own](own-physics.md#in-a-config)",
+        "a Python file in the study's folder with laws for `reference`",
         "mylaws.py",
         "the device's own",
         _own_laws,
@@ -69,10 +68,10 @@ _Axes = of_device(lambda _, kind: axis(kind, "in place of the device's", out="th
 class SweepSection(_Axes):
     """The axes, and how each cell is followed."""
 
-    N: axis("number", "the shock's peak over gravity", "{from: 600, to: 2400, points: 91}")
+    N: axis("number", "peak of the shock over gravity", "{from: 600, to: 2400, points: 91}")
     f0: axis(
         "frequency",
-        "one over the shock's duration",
+        "1/duration of the shock",
         "{from: 100 Hz, to: 30 kHz, points: 31, spacing: log}",
         "required, or `duration`, or a pulse that has its own",
     )
@@ -85,20 +84,22 @@ class SweepSection(_Axes):
     )
     not_bistable: word(
         *("refuse", "skip"),
-        what="what happens to a point without a second stable shape",
+        what="points without a second stable shape",
         out="`refuse`",
     )
-    horizon: quantity("duration", "time after the pulse for which a cell is followed")
-    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
+    horizon: quantity("duration", "time that each cell is followed after the pulse")
+    start: word(*STARTS, what="shape in which the beam rests at first", out=f"`{FIRST}`")
     until: argument(
-        arguments.Until, "a run ends when its well is proven, or also at its snap", out="`settled`"
+        arguments.Until,
+        "a run ends when its well is proven; `snap`: or at its snap",
+        out="`settled`",
     )
     repeat: flag(
-        "whether each cell is run again with another step", out="`true` where `until` is `settled`"
+        "whether each cell runs again with another step", out="`true` where `until` is `settled`"
     )
     energy_tolerance: argument(
         arguments.EnergyTolerance,
-        "largest residual of the energy ledger over the work of the pulse",
+        "largest residual of the energy ledger over the pulse's work",
         out=f"`{Settings().energy_tolerance:g}`",
     )
     threshold_tolerance: argument(
@@ -125,13 +126,13 @@ _PLACE = Annotated[
     dict[str, object],
     words(
         "a mapping of axes to values; the nearest is taken",
-        out="the device's own value; else the middle, and for maps no N",
+        out="the device's own values, else the middle; maps: no N",
     ),
 ]
 
 
 class MapSection(Section):
-    """A map over two axes that differ."""
+    """A map over two axes."""
 
     x: _axis_name("horizontal axis")
     y: _axis_name("vertical axis; a map without N shows thresholds")
@@ -139,7 +140,7 @@ class MapSection(Section):
 
 
 class LinesSection(Section):
-    """A figure of thresholds over two axes that differ."""
+    """A figure of thresholds over two axes."""
 
     x: _axis_name("horizontal axis", "N")
     lines: _axis_name("each value is a line", "N")
@@ -158,7 +159,7 @@ class _Core(Section):
 
     title: argument(
         Argument("a line of letters, digits, spaces, .,:()/%+-_, at most 60", is_title),
-        "on the data sheet: name, issue, date",
+        "head of the data sheet",
         "Crash sensor A, 2026-11-23",
         "none",
     )
@@ -172,17 +173,17 @@ class _Core(Section):
     sweep: part(SweepSection)
     maps: many(
         MapSection,
-        "a list of maps {x, y, at}, each drawn by itself",
-        out=f"panels of N over f0 for each point of the other axes, {MOST_MAPS} at most",
+        "a list of maps {x, y, at}",
+        out=f"N over f0 at each point of the other axes, at most {MOST_MAPS}",
     )
     thresholds: many(
         LinesSection,
-        "a list of figures {x, lines, at} of thresholds over an axis",
+        "a list of figures {x, lines, at} of thresholds",
         out="over each axis, lines for `device` or C",
     )
     marks: path(
-        "a CSV table in the study's folder, of points on maps: N, f0 (Hz) or duration (ms) and, "
-        "optionally, name, snapped (yes, no)",
+        "a CSV table in the study's folder of points on maps: N, f0 (Hz) or duration (ms), "
+        "optionally name, snapped (yes, no)",
         "points.csv",
         "none",
         _own_points,
@@ -195,7 +196,7 @@ class _Core(Section):
         if "device" not in document and "devices" not in document:
             faults["device",] = f"missing; write {cls.needs()['device']}"
         elif "device" in document and "devices" in document:
-            faults["devices",] = "stand beside device; write one of them"
+            faults["devices",] = "excludes device; write one of them"
         several = several if isinstance(several, Mapping) else {}
         for name in several:
             if not (isinstance(name, str) and re.fullmatch("[A-Za-z][A-Za-z0-9_-]{0,30}", name)):

@@ -38,7 +38,7 @@ def unusual(device: Device) -> list[str]:
         if beyond.size:
             value, low, high = (quantity.used(f"{plain(x)} {unit}") for x in (beyond[0], low, high))
             lines.append(
-                f"{key} = {value} is not from {low} to {high}, as is usual; is its unit right?"
+                f"{key} = {value} is outside the usual {low} to {high}; is its unit right?"
             )
     return lines
 
@@ -50,7 +50,8 @@ def wide(plan: Plan) -> list[str]:
         share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
         if share > WIDE:
             lines.append(
-                f"{key} scatters by {plain(100 * share, 3)} %: hardly meant above {100 * WIDE:g} %"
+                f"{key} scatters by {plain(100 * share, 3)} %, more than {100 * WIDE:g} %; is its "
+                "width right?"
             )
     return lines
 
@@ -67,22 +68,22 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(lowest), np.max(np.maximum(mass, beam.bending_frequency))
     lines = {
-        f"rise/span = {plain(steepest, 3)}: above {STEEP:g} the beam is no shallow arch; forces "
+        f"rise/span = {plain(steepest, 3)}: above {STEEP:g} the arch is not shallow; forces "
         f"come out {plain(FORCES_TOO_HIGH * steepest**2, 2)} % too high, thresholds "
         f"{plain(THRESHOLDS_TOO_HIGH * steepest**2, 2)} %": steepest > STEEP,
-        f"span/thickness = {plain(slender.min(), 3)}: below {SLENDER[0]:g} shear counts, which the "
-        "model leaves out": slender.min() < SLENDER[0],
-        f"span/thickness = {plain(slender.max(), 3)}: no beam is made above {SLENDER[1]:g}; is a "
+        f"span/thickness = {plain(slender.min(), 3)}: below {SLENDER[0]:g} shear matters, which "
+        "the model ignores": slender.min() < SLENDER[0],
+        f"span/thickness = {plain(slender.max(), 3)}: beams have less than {SLENDER[1]:g}; is a "
         "unit wrong?": slender.max() > SLENDER[1],
-        f"depth/span = {plain(widest, 3)}: no beam is made above {SLAB[1]:g}; is a unit "
+        f"depth/span = {plain(widest, 3)}: beams have less than {SLAB[1]:g}; is a unit "
         "wrong?": widest > SLAB[1],
-        f"depth/thickness = {plain(thinnest, 3)}: no beam is made below {SLAB[0]:g}; is a unit "
+        f"depth/thickness = {plain(thinnest, 3)}: beams have more than {SLAB[0]:g}; is a unit "
         "wrong?": thinnest < SLAB[0],
-        f"C = {plain(C[-1])} uN*us/um is {plain(damped, 3)} times that of critical damping; is its "
+        f"C = {plain(C[-1])} uN*us/um is {plain(damped, 3)} times critical damping; is its "
         "unit right?": damped > CREEPING,
-        f"f0 up to {plain(f0[-1])} Hz: all pulses last over {FAR:g} periods of beam and mass; they "
-        "act as a lasting acceleration": lasts[-1] * FAR < first,
-        f"f0 from {plain(f0[0])} Hz: all pulses are over in a {FAR:g}th of any period; they act as "
-        "a jump in velocity": lasts[0] > FAR * last,
+        f"f0 up to {plain(f0[-1])} Hz: every pulse lasts over {FAR:g} periods of beam and mass, so "
+        "it acts as a constant acceleration": lasts[-1] * FAR < first,
+        f"f0 from {plain(f0[0])} Hz: every pulse is shorter than 1/{FAR:g} of any period, so it "
+        "acts as a jump in velocity": lasts[0] > FAR * last,
     }
     return unusual(device) + [line for line, holds in lines.items() if holds]

@@ -23,12 +23,10 @@ class Blow(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    N: quantity("number", "peak relative to those of other blows", "2", "`1`")
+    N: quantity("number", "peak relative to other blows", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
-    repeat: argument(
-        OF_PULSE["repeat"], "number of times that all items before it occur", out="once"
-    )
+    repeat: argument(OF_PULSE["repeat"], "how often all items before it occur", out="once")
 
 
 class Drop(Section):
@@ -39,9 +37,7 @@ class Drop(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    rebound: quantity(
-        "number", "ratio of the velocities after and before a blow, 0 to 0.99", "0.3", "`0`"
-    )
+    rebound: quantity("number", "velocity after a blow over that before, 0 to 0.99", "0.3", "`0`")
 
 
 def _shapes(value):
@@ -83,7 +79,7 @@ class PulseSection(Section):
         """Name what stands beside a shock that is more than a shape."""
         timed = next((name for name in TIMED if name in pulse), None)
         others = [key for key in ("shape", *SHARES, *TIMED) if key in pulse and key != timed]
-        return {(key,): f"stands beside {timed}; write one of them" for key in others if timed}
+        return {(key,): f"excludes {timed}; write one of them" for key in others if timed}
 
     def values(self) -> dict:
         """What it says, in internal units, with the SHA-256 of a file."""
@@ -110,10 +106,10 @@ def shocks_of(values: Mapping) -> Shocks:
 def one_time(section, lasts_itself=False, at=()):
     """Name f0 and duration beside each other, or neither of them."""
     if "f0" in section and "duration" in section:
-        return {(*at, "duration"): "excludes f0, as it is one over f0; write one of them"}
+        return {(*at, "duration"): "excludes f0, which is 1/duration; write one of them"}
     if "f0" in section or "duration" in section or lasts_itself:
         return {}
-    return {(*at, "f0"): "missing; write frequencies (1/time), or duration"}
+    return {(*at, "f0"): "missing; write f0 or duration"}
 
 
 def is_title(value: object) -> bool:

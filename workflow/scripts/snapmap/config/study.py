@@ -165,7 +165,7 @@ def load_config(document: Mapping) -> Config:
             section = getattr(parts, key, None)
             study.requests[name] = part((key,), application.request, section, study, parts)
             if "laws" in study.model and study.requests[name] and name not in OF_LAWS:
-                faults.append(f"{key}: is not for a model with laws; leave it out, or the laws")
+                faults.append(f"{key}: does not work with model.laws; leave one of them out")
     if faults:
         raise ConfigError(*dict.fromkeys(faults))
     return study
@@ -191,7 +191,7 @@ def _damper(parts):
     """C by the quality factors of the devices, if they have any."""
     dampers = {section.C for section in parts.devices_by_name().values()}
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
-        raise ValueError("quality factors give no C that all devices share; write sweep.C")
+        raise ValueError("quality factors give each device another C; write sweep.C")
     return dampers.pop()
 
 
@@ -215,5 +215,5 @@ def _grid(parts, shocks, C):
         line = str(error) if str(error).startswith("device") else f"{error}; {remedy}"
         raise ValueError(line) from None
     if (grid.device_of < 0).all():
-        raise ValueError(f"no device has a second stable shape; {remedy}")
+        raise ValueError(f"sweep: no device has a second stable shape; {remedy}")
     return grid

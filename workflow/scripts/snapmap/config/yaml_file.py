@@ -60,7 +60,7 @@ class _Loader(yaml.SafeLoader):
     def construct_decimal(self, node):
         text = self.construct_scalar(node)
         if _SURPRISE.match(text):
-            problem = f"{show(text)} is no plain decimal number"
+            problem = f"{show(text)} is not a plain decimal number"
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         kind = "int" if node.tag.endswith("int") else "float"
         return getattr(self, f"construct_yaml_{kind}")(node)

@@ -26,12 +26,11 @@ class Beam:
     """A clamped beam; an impossible value raises ValueError.
 
     rise: 0 for a straight beam, which compression must buckle
-    depth: out of the plane of motion; of a double beam, of both beams together
-    damping: viscous drag per unit mass; swings decay at half this rate
-    free: 1 for a beam that may tilt, 0 for a guided beam, which moves symmetrically
+    depth: across the plane of motion; of a double beam, of both beams together
+    damping: viscous drag per unit mass; oscillations decay at half this rate
+    free: 1 for a beam that can tilt, 0 for a guided beam
     clamp_axial: math.inf for rigid clamps
-    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 in the shape as
-        made, over the rise
+    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 over the rise
 
     >>> snapmap.load_device("config/config.yaml").beam.rise
     10.0
@@ -65,16 +64,16 @@ class Beam:
         """What must hold beside the ranges of values, a complaint, and what it quotes."""
         free, tilt = numbers(self.free), self.imperfection
         known = np.isin(np.nan if free is None else free, (0.0, 1.0))
-        yield known, "free: {} is not 1, which may tilt, or 0", show(self.free)
+        yield known, "free: {} is not 0 (guided) or 1 (free to tilt)", show(self.free)
         guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
-        lacks = "imperfection: {:g}; a free beam without one never tilts, write 0.01 um"
+        lacks = "imperfection: {:g} um never tilts a free beam; write one such as 0.01 um"
         yield guided | ~perfect, lacks, tilt
         yield (
             perfect | ~guided,
             "imperfection: {:g} um needs a beam free to tilt; write guide: free",
             tilt,
         )
-        steep = "imperfection: {:g} um is more than a tenth of the span"
+        steep = "imperfection: {:g} um is more than a tenth of the span; write less"
         yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
         Q = np.divide(self.rise, self.thickness)
         thin = "thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that gives Q up to "
@@ -85,9 +84,9 @@ class Beam:
         if not np.all(self.is_bistable):
             require(
                 self.is_bistable,
-                "device.beam: rise/thickness = {:g} um/{:g} um = {:.6g} and a stress of {:g} MPa "
-                "leave no second stable shape; it needs a stress below {:.5g} MPa, or of a cosine "
-                "without stress rise/thickness of more than {:.3f}",
+                "device.beam: no second stable shape with rise/thickness = {:g} um/{:g} um = "
+                "{:.6g} and a stress of {:g} MPa; write a stress below {:.5g} MPa or, for a cosine "
+                "without stress, rise/thickness above {:.3f}",
                 *(self.rise, self.thickness, np.divide(self.rise, self.thickness)),
                 *(self.residual_stress, self.most_stress, BISTABILITY_LIMIT / np.sqrt(self.held)),
             )

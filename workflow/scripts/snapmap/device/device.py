@@ -31,7 +31,6 @@ OF_MASS = *ALONE, *keys_of("stops").values()
 class Device:
     """A beam and a mass on a spring; an impossible value raises ValueError.
 
-    Values of device and beam are the keys of the config.
     mass: 0, with a gap of math.inf, for a beam alone
     contact: math.inf for hard contact
     gravity, force: the unit of N; a force of 0 shakes the frame
@@ -77,9 +76,9 @@ class Device:
             if name in ALONE and np.any(alone):
                 value = np.where(alone, 1.0, value)
             require_quantity(name, value)
-        pushed = "device.force: {:g} uN is of a beam alone; write mass: none"
+        pushed = "device.force: {:g} uN acts on a beam without a mass; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
-        stopped = "device.stops: are of a mass, and there is none; leave them out"
+        stopped = "device.stops: need a mass; leave them out"
         require(~(alone & self.has_stops), stopped)
         if np.any(self.has_electrode):
             closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"

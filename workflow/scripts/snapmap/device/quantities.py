@@ -30,6 +30,8 @@ class Bounds(NamedTuple):
     def __str__(self):
         """In words that follow a noun."""
         ends = []
+        if self.low_fits and self.high_fits:
+            return f"from {self.low:.10g} to {self.high:.10g}"
         if self.low > -inf:
             ends.append(f"{'from' if self.low_fits else 'above'} {self.low:.10g}")
         if self.high < inf:

@@ -111,24 +111,24 @@ class Plan:
         """Take scatters as `snapmap.tolerance` does; ValueError, one line, for what cannot be."""
         self.scatters = {key: _scatter(key, width) for key, width in scatters.items()}
         if not self.scatters:
-            raise ValueError("tolerances: name a value that scatters, such as thickness")
+            raise ValueError("tolerances: empty; write a value that scatters, such as thickness")
         self.nominal = {}
         for key, scatter in self.scatters.items():
             if key in OF_MASS and device.is_alone:
-                raise ValueError(f"tolerances.{key}: needs a mass")
+                raise ValueError(f"tolerances.{key}: needs a mass; leave it out")
             nominal = self.nominal[key] = nominal_value(device, key)
             if math.isinf(nominal):
-                what = "a hard contact" if key == "contact" else "what is not there"
-                raise ValueError(f"tolerances.{key}: {what} does not scatter")
+                what = "hard" if key == "contact" else "none in this device"
+                raise ValueError(f"tolerances.{key}: {what}, so it cannot scatter; leave it out")
             if scatter.distribution == "lognormal" and not nominal > 0:
                 raise ValueError(f"tolerances.{key}: lognormal needs a nominal value above 0")
             if scatter.is_share and nominal == 0:
-                raise ValueError(f"tolerances.{key}: a share of 0 is no scatter; write a width")
+                raise ValueError(f"tolerances.{key}: a share of 0 is 0; write a width with a unit")
         group_of = {}
         for group in together:
             for key in group:
                 if key not in scatters:
-                    raise ValueError(f"tolerances.together: {key} does not scatter")
+                    raise ValueError(f"tolerances.together: {key} has no tolerance")
                 if key in group_of:
                     raise ValueError(f"tolerances.together: {key} comes twice")
                 group_of[key] = tuple(name for name in scatters if name in group)
@@ -166,8 +166,8 @@ class Plan:
             least = 0.0 if key in FROM_ZERO else np.finfo(float).tiny
             if key not in SIGNED and (wrong := column[~(column >= least)]).size:
                 raise ValueError(
-                    f"tolerances.{key}: {wrong[0]:.4g} is drawn and cannot be; write truncated or "
-                    f"lognormal, or a smaller scatter about {self.nominal[key]:g}"
+                    f"tolerances.{key}: a sample has the impossible value {wrong[0]:.4g}; write "
+                    f"truncated or lognormal, or a smaller scatter about {self.nominal[key]:g}"
                 )
         return values
 
@@ -184,7 +184,7 @@ def _scatter(key, width):
     name = f"tolerances.{key}"
     known = *OF_DEVICE, *SHOCK_FACTORS
     if key not in known:
-        raise ValueError(f"{name}: is no value that scatters; these are {', '.join(known)}")
+        raise ValueError(f"{name}: cannot scatter; write one of {', '.join(known)}")
     distribution = "normal"
     if isinstance(width, Mapping):
         if len(width) != 1 or next(iter(width)) not in DISTRIBUTIONS:
@@ -196,7 +196,7 @@ def _scatter(key, width):
     except (TypeError, ValueError):
         number = math.nan
     if not 0 < number < math.inf:
-        raise ValueError(f"{name}: {show(width)} is no number above 0, nor a share such as '5 %'")
+        raise ValueError(f"{name}: {show(width)} is not a number above 0 or a share such as '5 %'")
     if key in SHOCK_FACTORS and not is_share:
-        raise ValueError(f"{name}: {show(width)} is no share; write one such as '5 %'")
+        raise ValueError(f"{name}: {show(width)} is not a share; write one such as '5 %'")
     return Scatter(distribution, number, is_share)

@@ -98,10 +98,10 @@ def plot_outcome(
 ) -> Axes:
     """Draw which cells of a cube snap, with a legend, on `ax` or on a new figure.
 
-    cube: as `sweep` or `open_cube` returns it, of a single value along axes other than x and y
+    cube: of `sweep` or `open_cube`, with a single value along axes other than x and y
     x, y: names of axes of the cube
-    found: thresholds over x, drawn as a line if y is N
-    ends: draw on which side of the saddle each beam ends, instead of which cells snap
+    found: of `threshold`, drawn as a line if y is N
+    ends: whether to draw where each beam ends instead
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cube = snapmap.sweep(device, [900, 1100], [500, 1500], [25], model="cosines", until="snap")
@@ -112,7 +112,7 @@ def plot_outcome(
     cube = cube.assign(outcome=require_cube(cube))
     for name, key in (("x", x), ("y", y)):
         if axis_behind(key) not in cube.outcome.dims:
-            raise ValueError(f"{name}: {show(key)} is no axis of the cube")
+            raise ValueError(f"{name}: {show(key)} is not an axis of the cube")
     if axis_behind(x) == axis_behind(y):
         raise ValueError(f"x: {show(x)} is already y; write another axis of the cube")
     many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
@@ -122,7 +122,7 @@ def plot_outcome(
     outcome_names(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError(
-            "cube: the wells are unknown, as runs end at the snap; sweep until settled"
+            "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
     return draw_map(ax or style.notebook_axes(), cells, found, x, y, shows=shows)

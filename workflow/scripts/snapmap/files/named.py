@@ -22,7 +22,7 @@ def naming(path: str | Path) -> Iterator[None]:
     except FileNotFoundError:
         raise ValueError(f"{path}: is not there") from None
     except UnicodeDecodeError:
-        raise ValueError(f"{path}: is no text in UTF-8") from None
+        raise ValueError(f"{path}: is not text in UTF-8") from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise ValueError(f"{path}: {' '.join(reason.split())}") from None
@@ -37,7 +37,7 @@ def read_named(path: str | Path, most: int, remedy: str, sha256: str = "") -> by
     path = Path(path)
     size = path.stat().st_size
     if not path.is_file():  # a pipe or a device may never end
-        raise ValueError("is no file")
+        raise ValueError("is not a file")
     if size > most:
         raise ValueError(f"has {size / 1e6:.0f} MB; {remedy}")
     with open(path, "rb") as file:

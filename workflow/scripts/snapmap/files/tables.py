@@ -66,7 +66,7 @@ def read_table(
             dtype=dict.fromkeys(words, str),
         )
     except pandas.errors.ParserError as error:
-        raise ValueError(f"is no CSV of {len(keys)} columns ({error}); {DECIMALS}") from None
+        raise ValueError(f"is not a CSV of {len(keys)} columns ({error}); {DECIMALS}") from None
     if not isinstance(table.index, pandas.RangeIndex):  # made of what is beyond the header
         raise ValueError(f"line 2: has more than {len(keys)} columns; {DECIMALS}")
     if len(table) > most:
@@ -77,7 +77,7 @@ def read_table(
         if key in numbers:
             values = pandas.to_numeric(table[key], errors="coerce")
             right = (values > above) & (values < math.inf) | (gaps & table[key].isna())
-            need = "no finite number" if above < 0 else f"no number above {above:g}"
+            need = "not a finite number" if above < 0 else f"not a number above {above:g}"
             columns[key] = values.to_numpy(float) * scales[key]
         else:
             values = table[key].str.strip()
@@ -102,7 +102,7 @@ def _keys(head, numbers, words):
     keys = [_UNIT.sub("", word).strip() for word in head]
     unknown = [key for key in keys if key not in {*numbers, *words}]
     if len(unknown) == len(keys):  # another file, which is not to be quoted
-        raise ValueError(f"line 1: names no column of this table; known are {known}")
+        raise ValueError(f"line 1: has no known column; write {known}")
     if unknown:
         raise ValueError(f"line 1: column {unknown[0]!r} is unknown; known are {known}")
     if twice := [key for key in keys if keys.count(key) > 1]:
@@ -115,5 +115,5 @@ def _scale(word, key, numbers):
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"
-        raise ValueError(f"header {word!r} {what}; write such as {key} ({next(iter(units))})")
+        raise ValueError(f"header {word!r} {what}; write one such as {key} ({next(iter(units))})")
     return units[unit]

@@ -222,21 +222,21 @@ def sampled(
     """Make a pulse of samples, which keeps its duration and is linear between them.
 
     time: us, ascending, (samples,)
-    acceleration: along +z, (samples,), in any unit, as N scales its largest value
+    acceleration: along +z, (samples,), in any unit; N scales its largest value
 
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """
     time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
     if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:
-        raise ValueError(f"{time.size} samples are no shock; write two or more")
+        raise ValueError("time and acceleration are not two rows of two samples or more")
     if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
-        raise ValueError("a sample is no finite number")
+        raise ValueError("a sample is not a finite number")
     if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
         raise ValueError(f"time of sample {wrong[0] + 2} is not after the one before; sort them")
     peak, lasts = abs(acceleration).max(), time[-1] - time[0]
     if peak == 0:
-        raise ValueError("the acceleration is 0 throughout")
+        raise ValueError("the acceleration is 0 throughout; record a shock")
     values = acceleration / peak
     if abs(values[-1]) > AT_REST:
         raise ValueError(
@@ -250,20 +250,22 @@ def _notes(values):
     """Lines on a record over its peak: a jump, an offset, noise."""
     notes = []
     if abs(values[0]) > AT_REST:
-        notes.append(f"begins at {values[0]:.0%} of its peak, as with a jump")
+        notes.append(f"begins with a jump, at {values[0]:.0%} of its peak")
     shock = np.flatnonzero(abs(values) > AT_REST)
     rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
     for when, quiet in rests.items():
         low, baseline, high = np.percentile(quiet, [10, 50, 90]) if quiet.size else np.zeros(3)
         if abs(baseline) > max(BASELINE, high - low):
-            notes.append(f"rests at {baseline:.1%} of its peak {when} the shock; take that off")
+            notes.append(
+                f"is offset by {baseline:.1%} of its peak {when} the shock; subtract the offset"
+            )
     # White noise leaves 3/2 of its square in what a sample differs from the mean of its neighbours,
     # and that turns its sign from one to the next; of a smooth record it keeps its sign.
     rough = values[1:-1] - (values[2:] + values[:-2]) / 2
     square = np.sum(rough * rough)
     noise = np.sqrt(square / (1.5 * max(1, rough.size)))
     if noise > NOISE and np.sum(rough[1:] * rough[:-1]) < -square / 3:
-        notes.append(f"has noise of {noise:.1%} of its peak, which is what N scales; filter it")
+        notes.append(f"has noise of {noise:.1%} of its peak, and N scales that peak; filter it")
     return tuple(notes)
 
 

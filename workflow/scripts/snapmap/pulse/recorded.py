@@ -28,13 +28,11 @@ Hash = Annotated[
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
-    """Read a recorded shock, which keeps its duration and is linear between samples.
+    """Read a recorded shock, which keeps its duration; N scales its largest acceleration.
 
-    N scales its largest acceleration.
-
-    path: CSV of time (s, ms or us) and acceleration (g or m/s^2); the header names the units, as in
+    path: CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
         `time (ms),acceleration (g)`
-    sha256: expected hash of the file, 64 hexadecimal digits; empty for any file
+    sha256: expected hash of the file, 64 hexadecimal digits; empty for any
 
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0

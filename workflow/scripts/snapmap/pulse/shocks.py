@@ -76,7 +76,7 @@ class Shocks:
         """Give f0, Hz, of recorded shocks that last equally long; else ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}
         if durations == {None} or len(durations) > 1:
-            raise ValueError("f0: missing; write frequencies (1/time), or duration")
+            raise ValueError("f0: missing; write frequencies in Hz, or a duration")
         return 1e6 / durations.pop()
 
     def section(self) -> dict:
@@ -129,7 +129,7 @@ def _pulse(section):
         return section
     section = {"shape": section} if isinstance(section, str) else section
     if not isinstance(section, Mapping):
-        raise ValueError(f"pulse: {show(section)} is no shape, nor a pulse; `read_pulse` reads one")
+        raise ValueError(f"pulse: {show(section)} is not a shape or pulse; `read_pulse` makes one")
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])

@@ -41,7 +41,7 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
     Raises ValueError, one line.
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
-        raise ValueError("pulse.train: is no list of blows, waits and repeats")
+        raise ValueError("pulse.train: is not a list of blows, waits and repeats")
     parts, section = [], []
     for place, item in enumerate(items):
         path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
@@ -53,7 +53,7 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
         if "repeat" not in item:
             parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
         elif len(parts) * item["repeat"] > MOST_BLOWS:
-            raise ValueError(f"{path}.repeat: makes more than {MOST_BLOWS} blows and waits")
+            raise ValueError(f"{path}.repeat: makes over {MOST_BLOWS} blows and waits; write fewer")
         else:
             parts *= item["repeat"]
     return _joined("train", parts, section)
@@ -72,13 +72,13 @@ def make_drop(drop: Mapping) -> Pulse:
     blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
-        raise ValueError(f"pulse.drop: its blow has {own_N:.2g} g; write a shorter duration")
+        raise ValueError(f"pulse.drop: its blow has only {own_N:.2g} g; write a shorter duration")
     # Free fall over the peak; where it ends with a jump, that is small beside the blow's.
     lasts, level, share = velocity / GRAVITY, -1 / own_N, 1.0
     parts = [_flat(lasts, level), _blow(**blow)]
     while (share := share * rebound) >= LEAST_REBOUND:
         parts += [_flat(2 * share * velocity / GRAVITY, level), _blow(**blow, N=share)]
-    note = f"is that from its height at N = {own_N:.5g}; at another N all of it is scaled"
+    note = f"N = {own_N:.5g} is the fall from its height; another N scales the whole record"
     return _joined("drop", parts, drop, own_N=own_N, notes=(note,))
 
 
@@ -104,7 +104,7 @@ def _joined(name, parts, section, **others):
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
     if not blows.any():
-        raise ValueError(f"pulse.{name}: has no blow")
+        raise ValueError(f"pulse.{name}: has no blow; write one such as {{duration: 0.5 ms}}")
     lasts, peak = float(begins[-1]), max(part.peak for part in parts)
     pieces = np.vstack([part.pieces for part in parts])
     pieces[:, 0] += np.repeat(begins[:-1], [len(part.pieces) for part in parts])

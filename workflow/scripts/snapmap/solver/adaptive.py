@@ -110,6 +110,7 @@ class Survey(NamedTuple):
     """Models by which thresholds are determined.
 
     scans: the cheap one, which tells where to look; decides: at which N labels change
+    ragged: decides where they change back and forth, in the steps of maps
     others: with which that is compared; of two, the second is better than the one that decides
     finest: the best, in steps that show what others miss; None where it decides
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
@@ -121,6 +122,7 @@ class Survey(NamedTuple):
 
     scans: Follows
     decides: Follows
+    ragged: Follows
     others: tuple[Follows, ...]
     finest: Follows | None
     static: np.ndarray
@@ -164,10 +166,10 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     finest = fine.with_step(FINE_STEPS)
     if not is_auto:
         decides = build_model(device, **model)
-        return Survey(coarse, decides, (middle, fine), finest, static)
-    finer = Survey(coarse, finest, (middle,), None, static)
+        return Survey(coarse, decides, decides, (middle, fine), finest, static)
+    finer = Survey(coarse, finest, fine, (middle,), None, static)
     tolerance = model.get("tolerance", TOLERANCE)
-    return Survey(coarse, middle, (coarse,), finest, static, (fine,), tolerance, finer)
+    return Survey(coarse, middle, middle, (coarse,), finest, static, (fine,), tolerance, finer)
 
 
 def _of_laws(model, laws, static):
@@ -178,7 +180,7 @@ def _of_laws(model, laws, static):
         holds = 1.5 * energy / saddle + device.spring * (saddle + device.gap)
         static = holds / (device.mass + device.beam.weight / 2) / device.gravity
     half = model.with_step(FINE_STEPS)
-    return Survey(model, model, (half,), half, static, lawful=True)
+    return Survey(model, model, model, (half,), half, static, lawful=True)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:

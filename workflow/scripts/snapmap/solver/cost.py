@@ -20,7 +20,7 @@ def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> N
 
     where: what takes longest; cure: what to write instead; stacklevel: as of `warnings.warn`
     """
-    line = f"{what}: about {spoken(seconds)}; {where} takes longest"
+    line = f"{what}: will take about {spoken(seconds)}, most of it at {where}"
     if seconds > MOST_SECONDS:
         raise ValueError(f"{line}; {cure}")
     if seconds > WORTH_SAYING:

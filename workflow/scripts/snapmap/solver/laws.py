@@ -44,14 +44,12 @@ def reference(
     contact: Law | None = None,
     force: Law | None = None,
 ) -> dict[str, object]:
-    """Make a model with laws of your own from the `reference` model, for sweep, threshold and
-    simulate.
+    """Give the `reference` model your own laws, for sweep, threshold and simulate.
 
-    damping: drag on the mass (uN) of (C, velocity, place); replaces C velocity
+    damping: drag on the mass (uN) of (C, velocity, place), in place of C velocity
     contact: push between mass and midpoint (uN, positive apart) of (stiffness, overlap)
-    force: push that holds the midpoint (uN) of (displacement,); replaces the beam's
-    Laws are functions of floats that numba can compile; lengths are in um, times in us.
-    docs/own-physics.md describes them.
+    force: push that holds the midpoint (uN) of (displacement,), in place of the beam's
+    Laws are functions of floats (um, us) that numba compiles; docs/own-physics.md describes them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
@@ -66,7 +64,7 @@ def made(functions: Mapping[str, object]) -> Laws:
     """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws:
-        raise ValueError(f"model.laws: none; write a function {', '.join(PARAMETERS)}")
+        raise ValueError(f"model.laws: no law; write a function named {' or '.join(PARAMETERS)}")
     return Laws(**laws)
 
 
@@ -99,7 +97,7 @@ def _compiled(key, law):
     name, needs = f"model.laws: {key}", PARAMETERS[key]
     function = getattr(law, "py_func", law)
     if not inspect.isfunction(function):
-        raise ValueError(f"{name}: is no function")
+        raise ValueError(f"{name}: is not a function")
     taken = inspect.signature(function).parameters
     if len(taken) != len(needs):
         raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
@@ -111,7 +109,7 @@ def _compiled(key, law):
             f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
         ) from None
     if not isinstance(value, float):
-        raise ValueError(f"{name}: gives a {type(value).__name__}; write a float")
+        raise ValueError(f"{name}: returns a {type(value).__name__}; return a float")
     return law
 
 
@@ -127,7 +125,7 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     rises = rises[rises > falls[0]] if falls.size else falls
     if abs(F[0]) > 1e-9 * abs(F).max() or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
-        raise ValueError(f"model.laws: force: is no double well; write {needs} below {reach:g} um")
+        raise ValueError(f"model.laws: force: no double well; make it {needs} below {reach:g} um")
     around = (_curve(force, *x[i : i + 2]) for i in (falls[0], rises[0]))
     saddle, second = (float(x[np.argmax(F[1:] * F[0] <= 0) + 1]) for x, F in around)
     x, F = _curve(force, 0.0, saddle)

@@ -88,9 +88,7 @@ class Model:
     def second(self) -> Rest:
         """The second shape of its form; ValueError if one of the beams cannot rest there."""
         if self.laws and self.laws.force:
-            raise ValueError(
-                "model.laws: force: its runs start in the first shape; leave out start"
-            )
+            raise ValueError("model.laws: force: runs start in the first shape; leave out start")
         rest = second_shape(self.device.beam, self.basis, self.modes)
         require_rest(rest)
         return rest
@@ -277,7 +275,7 @@ def _build(device, name, options, is_free):
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
     elif modes > most:
-        raise ValueError(f"model.modes: {modes} is too many; this beam has {most}")
+        raise ValueError(f"model.modes: {modes} is too many; write {most} or fewer")
     else:
         modes *= 1 + is_free  # as many antisymmetric ones as symmetric
     modal = reduce_to_modes(device.beam, basis, modes)
@@ -302,19 +300,21 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError("device.contact: hard is not for the reference model; write elements")
+        raise ValueError("device.contact: hard excludes the reference model; write elements")
     if laws := laws_of(options):
         of_elements, alone = laws.force and "elements" in options, device.is_alone
         require(
-            np.array(not of_elements), "model.elements: a law of the force takes none; leave it out"
+            np.array(not of_elements),
+            "model.elements: has no effect with a law of the force; leave it out",
         )
         stopped = np.any(device.has_stops) and laws.contact
         require(
-            np.array(not stopped), "device.stops: are not for a law of the contact; leave them out"
+            np.array(not stopped),
+            "device.stops: do not work with a law of the contact; leave them out",
         )
-        closes = "device.contact_at: is not for a model with laws; leave it out"
+        closes = "device.contact_at: does not work with laws; leave it out"
         require(~np.asarray(device.has_electrode), closes)
-        require(~np.asarray(alone), "model.laws: are of a mass on a beam; write a mass")
+        require(~np.asarray(alone), "model.laws: need a mass; write device.mass")
 
 
 def _modes_of_elements(device, basis, name):
@@ -324,8 +324,8 @@ def _modes_of_elements(device, basis, name):
         return unknowns
     if not hard.all():
         raise ValueError(
-            f"device.contact: the {name} model takes hard ones and others each by themselves; "
-            "write modes, or model: cosines"
+            f"device.contact: the {name} model cannot mix hard and other contacts; write modes, or "
+            "model: cosines"
         )
     # ASSUME: hard contact acts through the static flexibility of the highest quarter of the
     # elements' modes; it moves the threshold of five elements by 0.02 %.

@@ -22,7 +22,7 @@ def motion_levels(device: Device, model: Mapping, settings: Settings) -> tuple[F
     model: as in a config
     """
     if model.get("laws"):
-        raise ValueError("model.laws: no stress is known of such a model; leave strength out")
+        raise ValueError("model.laws: give no stress; leave device.strength out")
     name = "elements" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}, settings.start).levels
 

@@ -31,7 +31,7 @@ class AutoOptions(ModelOptions, total=False):
 
 OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
 OF_MODEL["laws"] = Argument(
-    "a file of laws, nor what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
+    "a file of laws or what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
 )
 """What each option may be."""
 
@@ -47,5 +47,5 @@ def take_model(model: Mapping) -> dict[str, object]:
             taken[key] = value
         elif key != "name":
             known = ", ".join(OPTIONS[name])
-            raise ValueError(f"model.{key}: not an option of {name}; its options are {known}")
+            raise ValueError(f"model.{key}: is not an option of {name}; write one of {known}")
     return taken

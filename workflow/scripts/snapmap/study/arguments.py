@@ -81,7 +81,7 @@ SingleDevice = Annotated[Device, Argument("a single Device; load_device reads on
 Model = Annotated[
     str | Mapping,
     Argument(
-        f"one of {', '.join(OPTIONS)}, nor a mapping of its name and options, as reference makes",
+        f"one of {', '.join(OPTIONS)}, or a mapping of name and options, as reference makes",
         _is_model,
     ),
 ]
@@ -94,7 +94,7 @@ Start = Annotated[str, _START]
 Seed = Annotated[int, integer(0, 2**32 - 1)]
 PulseSpec = Annotated[
     str | Pulse | Mapping | Sequence,
-    Argument(f"one of {', '.join(SHAPES)}, nor what sampled or read_pulse makes", _is_pulse),
+    Argument(f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes", _is_pulse),
 ]
 Directions = Annotated[
     str | Sequence[str], Argument("+z, -z, both, or a list of these", _are_directions)

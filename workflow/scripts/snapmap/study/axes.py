@@ -83,7 +83,7 @@ def make_grid(
     device_axes = names | {key: points[key] for key in points if key not in SHOCK_AXES}
     shape = tuple(values.size for values in device_axes.values())
     if math.prod(shape) > MOST_DEVICES:
-        size = f"{math.prod(shape):.3g} points of the device's axes"
+        size = f"axes of the device: {math.prod(shape):.3g} points"
         raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
     # Each point of the device's axes by its values there, and the device that it varies.
@@ -114,7 +114,7 @@ def _require_axes(points, nominal):
         if idle:
             raise ValueError(f"{idle[0]}: needs a mass; leave it out")
     if len({device.gravity for device in nominal}) > 1:
-        raise ValueError("devices: gravity differs; write one, as N counts multiples of it")
+        raise ValueError("devices: gravity differs; write one value, as N counts multiples of it")
 
 
 def rows_of(grid: Grid) -> Rows:

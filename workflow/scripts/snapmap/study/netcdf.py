@@ -64,7 +64,7 @@ def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
     axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
     overlap = all(np.isin(u, v).all() or np.isin(v, u).all() for u, v in axes)
     if not (b and overlap and all(u == v for u, v in sections)):
-        raise ValueError(f"{path}: is of another study; remove it and run again")
+        raise ValueError(f"{path}: belongs to another study; remove it and run again")
 
 
 def _in_this_thread(dataset):

@@ -49,7 +49,7 @@ class Study:
     def require_frame(self, what: str) -> None:
         """Raise ValueError if pulses are forces on the midpoint, where `what` shakes the frame."""
         if any(device.force for device in self.devices().values()):
-            raise ValueError(f"device.force: {what} shakes the frame; write gravity in its place")
+            raise ValueError(f"device.force: {what} shakes the frame; write gravity instead")
 
     def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
         """The points of axes; ValueError, one line, for one that cannot be."""
@@ -115,8 +115,8 @@ def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
     push = {"pulse": shocks.pulse, "direction": shocks.direction}
     if "pulse" not in requirement and any(pulse.duration for pulse in shocks.shapes.values()):
         raise ValueError(
-            f"requirements: {requirement['name']}: pulse: missing, as that of the study lasts a "
-            "time of its own; write a shape such as 'half sine'"
+            f"requirements: {requirement['name']}: pulse: missing, as the study's pulse sets its "
+            "own duration; write a shape such as 'half sine'"
         )
     push |= {key: requirement[key] for key in PUSH if key in requirement}
     return requirement | {"shocks": make_shocks(**push)}

@@ -34,12 +34,12 @@ def collect_slabs(
     slabs = open_slabs(paths)
     axes = {key: np.asarray(values) for key, values in axes.items()}
     faults = [
-        f"hole in the grid: {key} = {value} is in no slab"
+        f"grid: {key} = {value} is in no slab; run again"
         for key, values in axes.items()
         for value in values[~np.isin(values, slabs[key].values)]
     ]
     if not faults and [*slabs.outcome.shape] != [values.size for values in axes.values()]:
-        faults = [f"{Path(paths[0]).parent}: holds cells of another grid; remove them"]
+        faults = [f"{Path(paths[0]).parent}: has cells of another grid; remove it and run again"]
     if faults:
         raise ValueError("\n".join(faults))
     sizes, room = {}, BLOCK_CELLS
@@ -78,7 +78,9 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     except ValueError as error:
         raise ValueError(f"hole in the grid of slabs: {' '.join(str(error).split())}") from None
     if cells != cube.outcome.size:
-        raise ValueError(f"{cells} cells are in the slabs of a grid of {cube.outcome.size}")
+        raise ValueError(
+            f"grid: {cells} cells are in its slabs, not {cube.outcome.size}; remove them"
+        )
     return cube
 
 
@@ -89,7 +91,7 @@ def open_cube(path: ExistingPath) -> xr.Dataset:
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):
-    ValueError: config/config.yaml: is no cube; `results/cube.nc` is one
+    ValueError: config/config.yaml: is not a cube; open one such as results/cube.nc
     """
     try:
         if Path(path).is_dir():
@@ -101,7 +103,7 @@ def open_cube(path: ExistingPath) -> xr.Dataset:
         else:
             cube = xr.open_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, AttributeError):
-        raise ValueError(f"{path}: is no cube; `results/cube.nc` is one") from None
+        raise ValueError(f"{path}: is not a cube; open one such as results/cube.nc") from None
     codes = require_cube(cube, str(path))
     lazy = {"dask": "parallelized", "output_dtypes": [np.array(OUTCOMES).dtype]}
     words = xr.apply_ufunc(outcome_names, codes, kwargs={"name": str(path)}, **lazy)

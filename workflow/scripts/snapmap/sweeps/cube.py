@@ -99,20 +99,18 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     """
     codes = cube.get("outcome_code", cube.get("outcome"))
     if codes is None or codes.dtype.kind not in "iuf":
-        raise ValueError(f"{name}: is no cube; it has no codes of outcomes")
+        raise ValueError(f"{name}: is not a cube, as it has no codes of outcomes")
     if missing := {"long_name", "flag_meanings"} - codes.attrs.keys():
         raise ValueError(f"{name}: {codes.name} has lost its attribute {min(missing)}; keep them")
     for key in (key for key in codes.dims if key not in NAMES):
         if cube[key].dtype.kind not in "iuf" or cube[key].isnull().any():
-            raise ValueError(f"{name}: {key} has values that are no numbers; it is an axis of them")
+            raise ValueError(f"{name}: {key} is an axis of numbers, but has other values")
     try:
         is_config = isinstance(json.loads(cube.attrs.get("config", "{}")), dict)
     except (TypeError, ValueError):
         is_config = False
     if not is_config:
-        raise ValueError(
-            f"{name}: its attribute config is no JSON of a config; keep it, or drop it"
-        )
+        raise ValueError(f"{name}: its attribute config is not JSON; keep it as it was, or drop it")
     return codes
 
 
@@ -120,7 +118,7 @@ def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
     """Put a name for each code of an outcome; ValueError, one line, for a code of none."""
     if wrong := sorted({*np.unique(codes).tolist()} - {*range(len(OUTCOMES))}):
         last = len(OUTCOMES) - 1
-        raise ValueError(f"{name}: {wrong[0]} is no code of an outcome; these are 0 to {last}")
+        raise ValueError(f"{name}: {wrong[0]} is not a code of an outcome; codes are 0 to {last}")
     return np.array(OUTCOMES)[codes.astype(int)]
 
 
@@ -181,6 +179,6 @@ def summary(cube: xr.Dataset) -> str:
         facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
     if near := cube.attrs[NEAR_CHANGE]:
         distance = 100 * cube.t_snap.attrs["label_distance"]
-        facts.append(f"about {near} labels within {distance:g} % of a change can be wrong")
+        facts.append(f"about {near} labels may be wrong, within {distance:g} % of a threshold")
     facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
     return f"{sum(counts.values())} cells: {', '.join(facts)}"

@@ -79,14 +79,14 @@ def write_slab(
 def open_slab(path: str | Path) -> Iterator[netCDF4.Dataset]:
     """Open a slab; raises ValueError, one line, for a file that is not the slab it is named by."""
     if not Path(path).exists():
-        raise ValueError(f"{path}: missing; the next run makes it")
+        raise ValueError(f"{path}: missing; run again to make it")
     if not is_whole(path):
-        raise ValueError(f"{path}: not a whole slab; {REMEDY}")
+        raise ValueError(f"{path}: is damaged; {REMEDY}")
     with netCDF4.Dataset(path) as slab:
         slab.set_auto_maskandscale(False)
         name = getattr(slab, "slab", None)
         if name != Path(path).stem:
-            raise ValueError(f"{path}: holds slab {name}, not its own; {REMEDY}")
+            raise ValueError(f"{path}: has the content of slab {name}; {REMEDY}")
         yield slab
 
 

@@ -68,6 +68,29 @@ class Window(NamedTuple):
         """Amplitudes of the scan, (rows, n); NaN after a row's last."""
         return amplitudes(*self)
 
+    def of(self, rows: np.ndarray) -> "Window":
+        """The same of some rows, a mask of them, (rows,)."""
+        return self._replace(low=np.where(rows, self.low, np.nan))
+
+
+class Seen(NamedTuple):
+    """What was seen of rows from one N to another: edges, and the labels of the ends, (rows,).
+
+    low, high: these ends, in multiples of g, (rows,); NaN where nothing was looked at
+    """
+
+    edges: Edges
+    begins: np.ndarray
+    ends: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def of(self, rows: np.ndarray) -> "Seen":
+        """The same of some rows, a mask of them, (rows,)."""
+        low, high = (np.where(rows, end, np.nan) for end in (self.low, self.high))
+        edges = self.edges.take(rows[self.edges.row])
+        return Seen(edges, rows & self.begins, rows & self.ends, low, high)
+
 
 def lowest_snap(
     model: Follows,
@@ -143,6 +166,58 @@ def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.n
     last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
     edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
     return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
+
+
+def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
+    """Scan a window on either side of what was seen of rows, or all of it where nothing was."""
+    low, high, step = window
+    new = np.isnan(seen.low)
+    below = Window(np.where(seen.low <= low, np.nan, low), np.where(new, high, seen.low), step)
+    above = Window(np.where(high > seen.high, seen.high, np.nan), high, step)
+    lower, begins, ends = scan(ask, below.N)
+    upper, _, ends_above = scan(ask, above.N)
+    down, up = np.isfinite(below.low), np.isfinite(above.low)
+    return Seen(
+        edges=joined(lower, seen.edges, upper),
+        begins=np.where(down, begins, seen.begins),
+        ends=np.where(up, ends_above, np.where(new, ends, seen.ends)),
+        low=np.where(down, low, seen.low),
+        high=np.where(up | new, high, seen.high),
+    )
+
+
+def around(
+    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
+) -> Window:
+    """Make a window that reaches so many times beyond two N of each row, within limits."""
+    low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)
+    return Window(low, high, np.full(low.size, step))
+
+
+def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """Find the least and the largest N of each row, (n_rows,); NaN where there is none."""
+    least, largest = np.full((2, n_rows), np.nan)
+    np.fmin.at(least, row, N)
+    np.fmax.at(largest, row, N)
+    return least, largest
+
+
+def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Read N_first and N_always, (rows,), and the islands' ends, (2, rows, most), off the edges.
+
+    is_open: whether a row's highest N does not snap, so that nothing always does; (rows,)
+    """
+    n_rows = is_open.size
+    row, starts = edges.row[edges.rising], edges.high[edges.rising]
+    N_first, N_always = outermost(row, starts, n_rows)
+    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
+    most = np.bincount(ends_row, minlength=1).max()
+    islands = np.full((2, n_rows, most), np.nan)
+    for i in np.unique(ends_row):
+        to = np.sort(ends[ends_row == i])
+        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
+        islands[1, i, : to.size] = to
+    return N_first, np.where(is_open, np.nan, N_always), islands
 
 
 def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -76,15 +76,15 @@ def threshold(
     """Find the lowest N that snaps the beam, with error bars, over C (uN us/um) and f0 (Hz).
 
     tolerance: relative refinement of N
-    highest: largest N of the search for islands, multiples of g; twice the threshold by default
+    highest: largest N searched for islands, multiples of g; None for twice the threshold
     options: horizon, energy_tolerance, threads, start, pulse, direction, skip,
         device axes, model options
-    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Clean rows lie on a
-    lattice of relative step `tolerance`: only the digits that `N_error` allows count. `N_static`
-    and `velocity_change` are the limits of slow and short pulses; `N_slow` is the threshold of slow
-    pulses by their `dwell` (us) above N_static. The velocity change of a pulse is `area` N g / f0;
-    `scale_first` is the factor on a record in known units. The words of the status are
-    `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Only the digits
+    that `N_error` allows count, as sharp thresholds lie on a lattice of relative step `tolerance`.
+    `N_static` and `velocity_change` are the limits of slow and short pulses; `N_slow` is the
+    threshold of slow pulses by their `dwell` (us) above N_static. A pulse changes the velocity by
+    `area` N g / f0; `scale_first` is the factor on a record in known units. The words of `status`
+    are `numpy.array(found.status.flag_meanings.split())[found.status]`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
@@ -106,19 +106,11 @@ def thresholds_of(
     axes: values of the device, C and f0, by name; tolerance, highest: as there
     """
     settings = study.settings
-    grid = study.set_out(axes)
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
-    models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
+    grid, models, columns = _search(study, axes, tolerance, highest)
+    rows = rows_of(grid)
     exists = rows.device >= 0
-    rings = exists & is_ringing(grid.device, rows)
-    slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
-    numbers = np.where(exists, np.arange(exists.size), -1)
-    parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
-    searched = _beside(exists, parts)
-    searched[initial_rows(parts)] = True
-    tell_cost(models, rows.take(searched), settings)
-    columns = find_thresholds(models, rows, parts, settings, tolerance, highest)
     columns["N_bound"] += np.nan if models.lawful else 0.0
     N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
     first = N_first[exists]
@@ -135,17 +127,44 @@ def thresholds_of(
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
         columns["scale_first"] = N_first * grid.device.gravity[rows.device] / peak[rows.pulse]
-    dims, last = (*grid.axes, "island"), len(grid.shape) - 1
-    data = {
-        key: (dims[: last + values.ndim], values.reshape(*grid.shape, *values.shape[1:]))
-        for key, values in columns.items()
-    }
-    data |= _limits(grid, models, settings, tolerance, highest)
+    data = _variables(grid, columns) | _limits(grid, models, settings, tolerance)
     data |= _slow(grid, rows, models.static, settings)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
     return dress("threshold", xr.Dataset(data, grid.axes), document, gravity=gravity)
+
+
+def first_snaps(
+    study: Study, axes: Mapping[str, Sequence[float]], tolerance: float = THRESHOLD_TOLERANCE
+) -> xr.Dataset:
+    """Find the thresholds of a study alone, without limits and latching; arguments as above."""
+    grid, _, columns = _search(study, axes, tolerance)
+    return xr.Dataset(_variables(grid, columns), grid.axes)
+
+
+def _search(study, axes, tolerance, highest=None):
+    """Find the thresholds of a study: its grid, the models, and the variables, (rows, ...)."""
+    settings, grid = study.settings, study.set_out(axes)
+    models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
+    exists = rows.device >= 0
+    rings = exists & is_ringing(grid.device, rows)
+    slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
+    numbers = np.where(exists, np.arange(exists.size), -1)
+    parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+    searched = _beside(exists, parts)
+    searched[initial_rows(parts)] = True
+    tell_cost(models, rows.take(searched), settings)
+    return grid, models, find_thresholds(models, rows, parts, settings, tolerance, highest)
+
+
+def _variables(grid, columns):
+    """Give the dimensions of variables of a grid, (rows, ...), and their shapes."""
+    dims, last = (*grid.axes, "island"), len(grid.shape) - 1
+    return {
+        key: (dims[: last + values.ndim], values.reshape(*grid.shape, *values.shape[1:]))
+        for key, values in columns.items()
+    }
 
 
 def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
@@ -157,8 +176,8 @@ def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
     wider = bars[bars > 2 * tolerance]
     if tolerance < THRESHOLD_TOLERANCE and wider.size:
         warnings.warn(
-            f"tolerance: {tolerance:g} bounds the refinement alone; with the errors of model and "
-            f"step N_error is wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
+            f"tolerance: {tolerance:g} bounds only the refinement; errors of model and step make "
+            f"N_error wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
             "N in the median",
             stacklevel=2,
         )
@@ -261,10 +280,10 @@ def _verify(models, rows, settings, tolerance, highest, expected):
     }
 
 
-def _lowest_of(grid, models, settings, tolerance, highest, omega, which, everywhere=False):
-    """Find N_first, (..., pulses, C), of pulses of a frequency of each device, rad/us.
+def _lowest_of(grid, models, settings, tolerance, omega, which, is_short):
+    """Find N_first, (..., pulses, C), of short or long pulses of a frequency, rad/us, (devices,).
 
-    On surfaces `lowest` finds it, only in the rows that are searched first, unless everywhere.
+    Of short ones beside surfaces the finest models find it; on these, only in rows searched first.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
@@ -273,13 +292,14 @@ def _lowest_of(grid, models, settings, tolerance, highest, omega, which, everywh
     numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     beside = _beside(exists, parts)
-    N[beside] = survey(models, rows.take(beside), settings, tolerance, highest).N_first
-    surface = np.flatnonzero(exists & ~beside) if everywhere else np.sort(initial_rows(parts))
+    best = models.levels[-1] if is_short else models
+    N[beside] = lowest(best, rows.take(beside), settings, tolerance)
+    surface = np.sort(initial_rows(parts)) if is_short else np.flatnonzero(exists & ~beside)
     N[surface] = lowest(models, rows.take(surface), settings, tolerance)
     return N.reshape(grid.shape[:-1])
 
 
-def _limits(grid, models, settings, tolerance, highest):
+def _limits(grid, models, settings, tolerance):
     """Find thresholds of slow and short pulses, of trains their strongest blow; and their area."""
     device, exists = grid.device, grid.device_of >= 0
     frequency, of_beam = device.own_frequency, device.beam.bending_frequency
@@ -297,8 +317,8 @@ def _limits(grid, models, settings, tolerance, highest):
     area = np.array([pulse.area for pulse in alone.pulses])
     # A force shakes no frame.
     pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
-    options = models, settings, tolerance, highest
-    change = _lowest_of(alone, *options, fast, pushes)
+    options = models, settings, tolerance
+    change = _lowest_of(alone, *options, fast, pushes, is_short=True)
     scale = spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes)
     change *= scale[..., np.newaxis]
     impact = np.array([pulse.impact for pulse in grid.pulses])
@@ -310,7 +330,7 @@ def _limits(grid, models, settings, tolerance, highest):
     jumps = np.flatnonzero([any(pulse.ends) for pulse in grid.pulses])
     if jumps.size:
         at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, *options, slow, jumps, everywhere=True)[..., 0]
+        slowly = _lowest_of(at_least, *options, slow, jumps, is_short=False)[..., 0]
         static = np.where(np.isin(np.arange(presses.size), jumps).reshape(sizes), slowly, static)
     return {
         "N_static": ((*of_device, *of_pulse), static),

@@ -8,6 +8,7 @@ The search has five steps:
 5. The threshold is compared with that of another step and of other models (`compare`).
 """
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,17 +20,23 @@ from ..solver.models import Follows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from .search import (
     SCAN_STEP,
+    TOGETHER,
     Ask,
     Edges,
+    Seen,
     Window,
     amplitudes,
+    around,
     asker,
     edges_of,
     first_snap,
     joined,
     observer,
+    outermost,
     refine,
     scan,
+    scan_on,
+    stretches,
 )
 
 ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
@@ -46,14 +53,9 @@ FAST_PULSE = 0.7
 """Frequency of a pulse over the device's own from which on the finer models take its rows."""
 CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
 """Distances from a threshold, up to CLEAN_REACH, in CLOSE_STEP, at which runs are looked at."""
-COMPARED_PLACE = 24
-"""Up to which of them the finest model must show no other below a clean threshold: 0.6 %."""
-BESIDE_OPEN = 2
-"""Intervals of CLOSE_PLACES on either side of one in which runs do not come nearer that are scanned
-too. So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of
-them ragged; docs/thresholds.md, "Width of islands"."""
-OPEN_BAR = 0.01
-"""Relative bar from which on a ragged row stays open: the step of its scan suffices."""
+OPEN_BAR = 10 * RAGGED_STEP
+"""Relative bar from which on a ragged row stays open: the step of its scan suffices. So far below a
+clean threshold the finest model must show no other."""
 STEP_RATIO = 2.0**0.5
 """Times the step that decides, of the runs by which the error of time is seen: of second order, it
 changes by itself."""
@@ -62,11 +64,8 @@ AGREEMENTS = 4
 MAX_DISTANCE = 0.25
 """Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
 """
-LEAST = 1e-4
-"""Of the static threshold, down to which N are looked at where no bound by energy is known."""
 SLACK = 0.99
 """Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
-BELOW, ABOVE = -1, 1
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
 """Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
 runs fail, as of a pulse too short for any step."""
@@ -109,32 +108,20 @@ class Changes(NamedTuple):
 
     edges: refined, but for those of ragged rows
     is_open: whether the highest N of a row is quiet, so that nothing always snaps
-    window, limits: of the scan, and of where islands count
+    limits: of where islands count
     ragged, rings: whether labels change back and forth, and whether the device rings
-    highest: largest N of the first scan; quiet: whether nothing snaps there
+    firsts: where others begin to snap in ragged rows, (others, rows)
+    highest: largest N looked at; quiet: whether nothing snaps up to there
     """
 
     edges: Edges
     is_open: np.ndarray
-    window: Window
     limits: Window
     ragged: np.ndarray
     rings: np.ndarray
+    firsts: np.ndarray
     highest: np.ndarray
     quiet: np.ndarray
-
-
-class Close(NamedTuple):
-    """What was seen close to edges: the edges there, and the labels of the ends, as `edges_of`.
-
-    low, high: these ends, in multiples of g, (rows,); NaN where nothing was looked at
-    """
-
-    edges: Edges
-    begins: np.ndarray
-    ends: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
 
 
 def survey(
@@ -169,18 +156,16 @@ def survey(
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), without a bar; NaN for none."""
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    bound = np.maximum(bound, LEAST * models.static[rows.device])
+    bound = lower_bound(models, rows, settings)
     # No island above the first counts.
     changes = find_changes(models, rows, settings, tolerance, 0.0, bound)
-    edges = refine_edges(models.decides, rows, settings, tolerance, changes.edges, changes.ragged)
+    edges = refine_edges(models.ragged, rows, settings, tolerance, changes.edges, changes.ragged)
     return stretches(edges, changes.is_open)[0]
 
 
 def _followed(models, rows, settings, tolerance, highest):
     """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
-    bound = least_amplitudes(models.decides, rows, settings.start)
-    bound = np.maximum(bound, LEAST * models.static[rows.device])
+    bound = lower_bound(models, rows, settings)
     options = settings, tolerance, highest
     thresholds = _survey(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
@@ -197,20 +182,23 @@ def _survey(models, rows, settings, tolerance, highest, bound, islands_from=None
     N_first, *_ = stretches(changes.edges, changes.is_open)
     N_error, ragged = compare(models, rows, settings, tolerance, changes, N_first)
     refined = changes.ragged & (N_error <= OPEN_BAR * N_first)
-    edges = refine_edges(models.decides, rows, settings, tolerance, changes.edges, refined)
+    edges = refine_edges(models.ragged, rows, settings, tolerance, changes.edges, refined)
     N_first, N_always, islands = stretches(edges, changes.is_open)
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
+    t_snap = snap_times(models.decides, rows, settings, np.where(changes.ragged, np.nan, N_first))
+    ragged_N = np.where(changes.ragged, N_first, np.nan)
+    t_snap = np.fmax(t_snap, snap_times(models.ragged, rows, settings, ragged_N))
     none = np.where(changes.quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         status=np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
         N_bound=bound,
-        N_looked=np.fmax(changes.highest, changes.limits.high),
+        N_looked=changes.highest,
         N_first=N_first,
         N_error=N_error,
         ragged=ragged.astype(np.int8),
         N_always=N_always,
-        t_snap=snap_times(models.decides, rows, settings, N_first),
+        t_snap=t_snap,
         level=np.zeros(N_first.size, np.int8),
         islands=np.count_nonzero(np.isfinite(islands[0]), axis=1),
         island_from=islands[0],
@@ -241,6 +229,12 @@ def with_rows(
     return values
 
 
+def lower_bound(models: Survey, rows: Rows, settings: Settings) -> np.ndarray:
+    """Bound N that snap from below, (rows,): by energy, or far below static ones."""
+    bound = least_amplitudes(models.decides, rows, settings.start)
+    return np.maximum(bound, 1e-4 * models.static[rows.device])
+
+
 def find_changes(
     models: Survey,
     rows: Rows,
@@ -261,16 +255,30 @@ def find_changes(
         *scan_range(models.scans.device, models.static, rows, bound, settings.start), SCAN_STEP
     )
     first, quiet = first_seen(label, wide, bound)
-    limits = island_limits(first, islands_from, highest)
+    slow = ~is_ringing(models.scans.device, rows, RINGING / 5)
+    limits = island_limits(first, islands_from, highest, slow)
     window, ragged = find_islands(label, limits)
-    ask = asker(models.decides, rows, settings)
 
     def closely(low, high):
         return look_closely(models.decides, rows, settings, tolerance, rings, low, high)
 
-    edges, is_open, window, ragged = decide(ask, closely, window, limits, ragged)
-    top = np.fmax.reduce(wide, axis=1)
-    return Changes(edges, is_open, window, limits, ragged, rings, highest=top, quiet=quiet)
+    seen, clean = decide(asker(models.decides, rows, settings), closely, window, ragged)
+    ragged = np.isfinite(first) & ~clean
+    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
+    others = [asker(model, rows, settings, until="snap") for model in _others(models)]
+    ask = asker(models.ragged, rows, settings)
+    scanned, firsts = scan_ragged(ask, others, window, seen.of(ragged))
+    top = np.where(np.isnan(first), np.fmax.reduce(wide, axis=1), limits.high)
+    return Changes(
+        edges=joined(seen.of(clean).edges, scanned.edges),
+        is_open=ragged & ~scanned.ends,
+        limits=limits,
+        ragged=ragged,
+        rings=rings,
+        firsts=firsts,
+        highest=top,
+        quiet=quiet,
+    )
 
 
 def is_fast(device, rows):
@@ -279,12 +287,12 @@ def is_fast(device, rows):
     return 2e-6 * np.pi * rows.f0 * swings > FAST_PULSE * device.own_frequency[rows.device]
 
 
-def is_ringing(device, rows):
-    """Tell whether the device rings after a pulse, (rows,)."""
+def is_ringing(device, rows, least=RINGING):
+    """Tell whether the device rings after a pulse, (rows,); least: as RINGING."""
     frequency, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
-    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring) >= RINGING
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring) >= least
 
 
 def scan_range(device, static, rows, bound, start=FIRST) -> tuple[np.ndarray, np.ndarray]:
@@ -318,7 +326,10 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
     bound: below which nothing can snap, (rows,); where the lowest snaps, the scan goes down to it
     Returns N, (rows,), NaN for none, and bools, (rows,), false where a run failed
     """
-    t_snap = ask(wide)
+    t_snap = np.full(wide.shape, np.nan)
+    for part in np.split(np.arange(wide.shape[1]), range(TOGETHER, wide.shape[1], TOGETHER)):
+        quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
+        t_snap[:, part] = ask(np.where(quiet, wide[:, part], np.nan))
     first = first_snap(wide, np.isfinite(t_snap))[1]
     quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(wide[:, 0])
     begins = np.isfinite(t_snap[:, 0])
@@ -329,15 +340,17 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
 
 
 def island_limits(
-    first: np.ndarray, islands_from: np.ndarray | None, highest: float | None
+    first: np.ndarray, islands_from: np.ndarray | None, highest: float | None, slow: np.ndarray
 ) -> Window:
     """Limit where islands are looked for, about the first of wide amplitudes that snaps, (rows,).
 
     islands_from, highest: the ends, in place of those of ISLANDS_FROM and ISLANDS_TO
+    slow: whether a pulse moves the device from rest to rest: then islands lie within RAGGED_REACH
     """
-    low = ISLANDS_FROM * first if islands_from is None else islands_from
-    high = ISLANDS_TO * first if highest is None else np.fmax(highest, RAGGED_REACH * first)
-    high = np.where(np.isfinite(first), high, np.nan)
+    near = first / RAGGED_REACH, first * RAGGED_REACH
+    low = np.where(slow, near[0], ISLANDS_FROM * first) if islands_from is None else islands_from
+    high = ISLANDS_TO * first if highest is None else np.fmax(highest, near[1])
+    high = np.where(np.isfinite(first), np.where(slow, near[1], high), np.nan)
     return Window(low, high, np.full(first.size, ISLAND_STEP))
 
 
@@ -351,36 +364,57 @@ def find_islands(ask: Ask, limits: Window) -> tuple[Window, np.ndarray]:
     edges, *_ = scan(ask, limits.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    clean = around(limits, *ends, CLEAN_REACH, ISLAND_STEP)
-    return chosen(ragged, around(limits, *ends, RAGGED_REACH, RAGGED_STEP), clean), ragged
+    return around(limits, *ends, CLEAN_REACH, ISLAND_STEP), ragged
 
 
-def decide(ask: Ask, closely, window: Window, limits: Window, ragged: np.ndarray):
-    """Find edges as the deciding model sees them, whether the highest N is quiet, what is ragged.
+def decide(
+    ask: Ask, closely: Callable, window: Window, ragged: np.ndarray
+) -> tuple[Seen, np.ndarray]:
+    """Find the only edge of rows, as the deciding model sees it, and where it is the only one.
 
     closely: looks beside the only edge of each row, between two N, (rows,), as `look_closely`
-    Rows in which it sees other than the cheap model did are ragged too, and scanned on to either
-    side. Returns also where rows were scanned.
+    ragged: rows that are not looked at, (rows,)
     """
-    edges, begins, ends = scan(ask, window.N)
-    alone = ~ragged & ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
+    edges, begins, _ = scan(ask, window.of(~ragged).N)
+    alone = ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
     only, sides = edges.take(alone[edges.row]), np.full((2, ragged.size), np.nan)
     sides[:, only.row] = only.low, only.high
-    close = closely(*sides)
-    edges = joined(edges.take(~alone[edges.row]), close.edges)
-    begins, ends = np.where(alone, [close.begins, close.ends], [begins, ends])
-    surprising = begins | (~ends & (window.high < limits.high))
-    surprising |= ~ragged & (np.bincount(edges.row, minlength=ragged.size) != 1)
-    low, high = (np.where(surprising, end, np.nan) for end in (window.low, window.high))
-    wider = around(limits, low, high, RAGGED_REACH, RAGGED_STEP)
-    # From where it was looked closely on, which may not be the window's ends.
-    low, high = np.where(surprising & alone, [close.low, close.high], [low, high])
-    below, begins_below, _ = scan(ask, wider._replace(high=low).N)
-    above, _, ends_above = scan(ask, wider._replace(low=high).N)
-    begins, ends = np.where(surprising, [begins_below, ends_above], [begins, ends])
-    edges = joined(below, edges, above)
-    edges = edges.take(~begins[edges.row])
-    return edges, ~ends, chosen(surprising, wider, window), ragged | surprising
+    seen = closely(*sides)
+    count = np.bincount(seen.edges.row, minlength=ragged.size)
+    return seen, ~seen.begins & (count == 1)
+
+
+def scan_ragged(
+    ask: Ask, others: Sequence[Ask], window: Window, seen: Seen
+) -> tuple[Seen, np.ndarray]:
+    """Find the edges in a window of which a part was seen, and where others begin to snap.
+
+    The others scan in twice the step and say where to look: within CLEAN_REACH of all changes, and
+    to the end of the window on a side where labels are not those beyond it.
+    """
+    coarse = window._replace(step=2 * window.step)
+    scans = [scan(other, coarse.N) for other in others]
+    firsts = np.array([_begins(part, window) for part in scans])
+    while True:
+        edges = joined(seen.edges, *(edges for edges, *_ in scans))
+        ends = outermost(edges.row, edges.high, window.low.size)
+        ends = (np.where(np.isnan(a), b, a) for a, b in zip(ends, window[:2], strict=True))
+        near = around(window, *ends, CLEAN_REACH, RAGGED_STEP)
+        new = np.isnan(seen.low)
+        low = np.where(seen.begins, window.low, near.low)
+        high = np.where(seen.ends | new, near.high, window.high)
+        left = np.isfinite(low) & (new | (low < seen.low) | (high > seen.high))
+        if not left.any():
+            break
+        seen = scan_on(ask, near._replace(low=low, high=high).of(left), seen)
+    return seen._replace(edges=seen.edges.take(~seen.begins[seen.edges.row])), firsts
+
+
+def _begins(scanned, window):
+    """Where a scan begins to snap, (rows,), or the end of the window beyond which it does."""
+    edges, begins, _ = scanned
+    first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], begins.size)
+    return np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
 
 
 def look_closely(
@@ -391,21 +425,20 @@ def look_closely(
     rings: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
-) -> Close:
+) -> Seen:
     """Refine the only edge of rows, and find those close to it where the device rings.
 
     low, high: the edge, (rows,); NaN for rows that are not looked at; rings: (rows,)
     """
     low, high = refine(asker(model, rows, settings), low, high, tolerance)
-    ends = (np.where(rings, end, np.nan) for end in (low, high))
-    edges, begins, ends = close_edges(model, rows, settings, *ends)
+    seen = close_edges(
+        model, rows, settings, *(np.where(rings, end, np.nan) for end in (low, high))
+    )
     others = np.flatnonzero(~rings & np.isfinite(high))
-    ends[others] = True
     rising = np.ones(others.size, bool)
-    edges = joined(edges, Edges(others, low[others], high[others], rising))
-    sides = (_beside(low, high, side, CLOSE_PLACES[-1]) for side in (BELOW, ABOVE))
-    reach = (np.where(rings, *pair) for pair in zip(sides, (low, high), strict=True))
-    return Close(edges, begins, ends, *reach)
+    edges = joined(seen.edges, Edges(others, low[others], high[others], rising))
+    low, high = np.where(rings, [seen.low, seen.high], [low, high])
+    return Seen(edges, seen.begins, np.where(rings, seen.ends, np.isfinite(high)), low, high)
 
 
 def refine_edges(
@@ -429,36 +462,37 @@ def close_edges(
     settings: Settings,
     low: np.ndarray,
     high: np.ndarray,
-    sides: tuple[int, ...] = (BELOW, ABOVE),
-    farthest: int = CLOSE_PLACES[-1],
-) -> tuple[Edges, np.ndarray, np.ndarray]:
+    sides: tuple[int, ...] = (-1, 1),
+    reach: float = np.inf,
+) -> Seen:
     """Find the edges close to one, as on a scan in CLOSE_STEP, by fewer runs.
 
     low, high: the edge, refined, (rows,); NaN for rows that are not looked at
-    sides: on which it is looked; farthest: of CLOSE_PLACES
+    sides: on which it is looked, -1 below and 1 above; reach: relative, of CLOSE_PLACES
     Below a threshold that stands alone, each run comes nearer to a snap than those at lower N;
     above it, each snaps the later, the closer N lies to it. A stretch of the other label bends this
     far beyond its own ends: near it, too, runs come close to the saddle, and dwell there. Where
-    this order is broken, it is scanned; where runs show other labels, RAGGED_STEP suffices.
+    this order is broken, it is scanned, above in twice the step, unless runs show other labels.
     """
     observe, ask = observer(model, rows, settings), asker(model, rows, settings)
-    steps = CLOSE_PLACES[farthest >= CLOSE_PLACES]
-    between = np.setdiff1d(np.arange(farthest), steps)[1:]
+    steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
+    between = np.setdiff1d(np.arange(2, steps[-1]), steps)
     inside = np.searchsorted(steps, between) - 1
     runs = [observe(_beside(low, high, side, steps)) for side in sides]
     others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
-    mixed = np.any(np.hstack(others), axis=1)[:, np.newaxis]
-    known = [low[:, np.newaxis], high[:, np.newaxis]]
-    t_snap = [np.full((low.size, 1), np.nan), np.zeros((low.size, 1))]
+    alone = ~np.any(np.hstack(others), axis=1, keepdims=True)
+    N, t_snap = [low, high], [np.full(low.size, np.nan), np.zeros(low.size)]
     for side, run in zip(sides, runs, strict=True):
         nearer = -run.lowest if side < 0 else run.t_snap
-        wanted = _out_of_order(nearer)[:, inside] & (~mixed | (between % 4 == 0))
-        N = np.where(wanted, _beside(low, high, side, between), np.nan)
-        known += _beside(low, high, side, steps), N
-        t_snap += run.t_snap, ask(N)
-    N, t_snap = np.hstack(known), np.hstack(t_snap)
+        # Above, a gap that is so narrow is of no account.
+        wanted = alone & _out_of_order(nearer)[:, inside] & ((side < 0) | (between % 2 == 0))
+        more = np.where(wanted, _beside(low, high, side, between), np.nan)
+        N += _beside(low, high, side, steps), more
+        t_snap += run.t_snap, ask(more)
+    N, t_snap = np.column_stack(N), np.column_stack(t_snap)
     order = np.argsort(N, axis=1)
-    return edges_of(*(np.take_along_axis(a, order, axis=1) for a in (N, t_snap)))
+    N, t_snap = (np.take_along_axis(a, order, axis=1) for a in (N, t_snap))
+    return Seen(*edges_of(N, t_snap), np.fmin.reduce(N, axis=1), np.fmax.reduce(N, axis=1))
 
 
 def _beside(low, high, side, steps):
@@ -466,12 +500,16 @@ def _beside(low, high, side, steps):
     return np.multiply.outer(low if side < 0 else high, 1 + CLOSE_STEP * side * steps)
 
 
-def _out_of_order(nearer):
-    """Intervals of steps in which, or close to which, values do not fall outward, (rows, n)."""
+def _out_of_order(nearer, beside=2):
+    """Intervals in which values do not fall outward, and so many beside these, (rows, n).
+
+    So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of
+    them ragged; docs/thresholds.md, "Width of islands".
+    """
     with np.errstate(invalid="ignore"):
         rises = ~(nearer[:, 1:] < nearer[:, :-1])
-    padded = np.pad(rises, ((0, 0), (BESIDE_OPEN, BESIDE_OPEN)))
-    shifts = range(2 * BESIDE_OPEN + 1)
+    padded = np.pad(rises, ((0, 0), (beside, beside)))
+    shifts = range(2 * beside + 1)
     return np.any([padded[:, i : i + rises.shape[1]] for i in shifts], axis=0)
 
 
@@ -484,12 +522,12 @@ def compare(
     N_first: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compare with another step and other models: errors of N_first, and ragged rows, (rows,)."""
-    edges, _, window, limits, ragged, rings, *_ = changes
+    edges, _, limits, ragged, rings, firsts, *_ = changes
 
     def ask(model, until="edge"):
         return asker(model, rows, settings, until)
 
-    in_steps = models.decides.with_step(STEP_RATIO)
+    in_steps, *_ = others = _others(models)
     clean = np.where(ragged, np.nan, N_first)
     in_time = distance(ask(in_steps), clean, tolerance)
     in_space = [distance(ask(other), clean, tolerance) for other in models.others]
@@ -497,19 +535,25 @@ def compare(
     near = in_time + np.max(in_space, axis=0) + sum(in_space[1:])
     if models.finest is not None:
         # An island below that finer steps open belongs to the bar.
-        alone = np.where(~ragged & rings, N_first, np.nan)
+        alone = np.where(rings, clean, np.nan)
         ends = (1 - tolerance) * alone, alone
-        close, *_ = close_edges(models.finest, rows, settings, *ends, (BELOW,), COMPARED_PLACE)
-        near = np.fmax(near, N_first - outermost(close.row, close.high, alone.size)[0])
+        close = close_edges(models.finest, rows, settings, *ends, (-1,), OPEN_BAR).edges
+        islands = close.take(close.high < ends[0][close.row])
+        near = np.fmax(near, N_first - outermost(islands.row, islands.low, alone.size)[0])
     apart = np.isinf(near)
+    window = limits.of(apart)
+    far_firsts = [_begins(scan(ask(other, "snap"), window.N), window) for other in others]
+    firsts = np.where(apart, far_firsts, firsts)
+    far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - firsts), axis=0))
+    step = np.where(ragged, RAGGED_STEP, np.where(rings, CLOSE_STEP, 0.0))
+    step = np.where(apart, ISLAND_STEP, step)
     ragged = ragged | apart
-    window = chosen(apart, limits, window)
-    # The longer steps of a label tell where to look.
-    others = in_steps, *models.others, *models.judges
-    firsts = [_elsewhere(ask(other, "snap"), window, ragged) for other in others]
-    far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - np.array(firsts)), axis=0))
-    resolved = np.where(ragged, window.step, np.where(rings, CLOSE_STEP, 0.0)) + tolerance
-    return np.where(ragged, far, near) + resolved * N_first, ragged
+    return np.where(ragged, far, near) + (step + tolerance) * N_first, ragged
+
+
+def _others(models):
+    """The models with which ragged rows are compared: in another step the one that decides."""
+    return models.decides.with_step(STEP_RATIO), *models.others, *models.judges
 
 
 def _spread(edges, N_first):
@@ -519,17 +563,6 @@ def _spread(edges, N_first):
     close = edges.high <= CLEAN_REACH * N_first[edges.row]
     np.fmax.at(spread, edges.row[close], above[close])
     return spread
-
-
-def _elsewhere(ask, window, ragged):
-    """N_first of ragged rows, (rows,), as another level sees it on the same scan.
-
-    The end of the window stands for an N_first that lies beyond it.
-    """
-    N = window._replace(low=np.where(ragged, window.low, np.nan)).N
-    edges, begins, _ = scan(ask, N)
-    first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], ragged.size)
-    return np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
 
 
 def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
@@ -558,45 +591,6 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
     same = ~differ(near, np.multiply.outer(reach[near], [7 / 8, 6 / 8, 5 / 8]))
     distances[near] *= 1 - np.logical_and.accumulate(same, axis=1).sum(axis=1) / 8
     return distances
-
-
-def around(
-    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
-) -> Window:
-    """Make a window that reaches so many times beyond two N of each row, within limits."""
-    low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)
-    return Window(low, high, np.full(low.size, step))
-
-
-def chosen(rows: np.ndarray, those: Window, others: Window) -> Window:
-    """Take one window where `rows`, (rows,), is true, and another elsewhere."""
-    return Window(*(np.where(rows, a, b) for a, b in zip(those, others, strict=True)))
-
-
-def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Find the least and the largest N of each row, (n_rows,); NaN where there is none."""
-    least, largest = np.full((2, n_rows), np.nan)
-    np.fmin.at(least, row, N)
-    np.fmax.at(largest, row, N)
-    return least, largest
-
-
-def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read N_first and N_always, (rows,), and the islands' ends, (2, rows, most), off the edges.
-
-    is_open: whether a row's highest N does not snap, so that nothing always does; (rows,)
-    """
-    n_rows = is_open.size
-    row, starts = edges.row[edges.rising], edges.high[edges.rising]
-    N_first, N_always = outermost(row, starts, n_rows)
-    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
-    most = np.bincount(ends_row, minlength=1).max()
-    islands = np.full((2, n_rows, most), np.nan)
-    for i in np.unique(ends_row):
-        to = np.sort(ends[ends_row == i])
-        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
-        islands[1, i, : to.size] = to
-    return N_first, np.where(is_open, np.nan, N_always), islands
 
 
 def snap_times(model, rows, settings, N):

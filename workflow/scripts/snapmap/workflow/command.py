@@ -24,14 +24,17 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="init, check or run")
-    verb = verbs.add_parser("init", help="write a config with comments, to begin with")
+    verb = verbs.add_parser("init", help="write a first config, with comments")
     verb.add_argument("folder", nargs="?", default=".", type=Path)
     verb.set_defaults(do=init)
-    for do, what in (check, "name faults, cost and doubts of a config"), (run, "make its results"):
+    for do, what in (
+        (check, "report errors, warnings and cost of a config"),
+        (run, "compute the results of a config"),
+    ):
         verb = verbs.add_parser(do.__name__, help=what)
         verb.add_argument("config", type=Path)
         verb.set_defaults(do=do)
-    verb.add_argument("--cores", default="all", help="by default all")
+    verb.add_argument("--cores", default="all", help="number of cores; all by default")
     known, others = parser.parse_known_args(words)
     values = vars(known)
     if known.do is run:
@@ -51,7 +54,7 @@ def init(folder: Path) -> None:
     path = folder / CONFIG
     with naming(path):
         if path.exists() or path.is_symlink():
-            raise ValueError("is there already; name another folder")
+            raise ValueError("exists already; name another folder")
         folder.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(PIPELINE / "config" / "sensor.yaml", path)
     print(f"{path}: write your device there, then: snapmap check {path}")

@@ -34,7 +34,7 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
         _write(folder, (listed & {*kept}).union(left))
     lines = {
         "removed, as the config no longer asks for them": sorted({*others} - {*left}),
-        "of an older config, and cannot be removed": left,
+        "from an older config, and cannot be removed": left,
     }
     return [f"{_names(files)}: {words}" for words, files in lines.items() if files]
 

@@ -23,7 +23,7 @@ WRAPPED = (
 AGAIN = "Trying to restart job"
 NOTHING = "Nothing to be done"
 STOPPING = "Terminating processes on user request"
-STOPPED = "interrupted: what is whole is kept, and the same command goes on"
+STOPPED = "interrupted: finished files are kept; the same command continues"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
 

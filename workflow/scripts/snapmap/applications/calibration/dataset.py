@@ -51,7 +51,7 @@ def _is_entry(value):
 Table = Annotated[
     str | Path | Mapping[str, Sequence],
     Argument(
-        "the path of a file that is there, nor columns by name",
+        "the path of a file that exists, or columns by name",
         lambda value: _is_table(value) or is_path(value),
     ),
 ]
@@ -80,17 +80,16 @@ def calibrate(
 ) -> xr.Dataset:
     """Estimate values of a device from measured shots, tripped or not, by maximum likelihood.
 
-    shots: path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz), and
-        `tripped` (true or false); optionally `direction`, `shape`, and `file`, a record that
-        replaces the shape and sets N
+    shots: path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz),
+        `tripped` (true or false), and optionally `direction`, `shape`, `file` (a record)
     unknowns: range of each unknown, in internal units, by the name of a value of the device, or C
-    C: uN us/um; not needed where C is unknown
+    C: uN us/um; None where C is unknown
     options: horizon, energy_tolerance, threads, pulse and direction of shots that name none, model
         options
     A shot trips with probability Phi(ln(N / N_first) / spread). The Dataset holds `estimate`, `low`
     and `high` (95 % profile interval) over `unknown`, `correlation` over `unknown` and `unknown_2`,
-    the relative `spread` over `bound`, `threshold`, `probability` and `residual` (of the deviance)
-    over `shot`, and the attribute `model_error`, the relative error of interpolated thresholds.
+    the relative `spread` over `bound`, and `threshold`, `probability` and `residual` over `shot`;
+    the attribute `model_error` is the relative error of interpolated thresholds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
@@ -101,7 +100,7 @@ def calibrate(
     """
     study, _ = study_of(device, model, options)
     if len(study.shocks.pulses) > 1:
-        raise ValueError("pulse: several; name the shape and direction of each shot in its row")
+        raise ValueError("pulse: has several; write shape and direction of each shot in its row")
     check_ranges(unknowns, C, study.device)
     return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 
@@ -114,8 +113,8 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     log_N = np.log(shots.N)
     if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
         raise ValueError(
-            f"shots: N from {plain(shots.N.min())} to {plain(shots.N.max())}, where the ranges "
-            f"lead to thresholds from {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
+            f"shots: N is {plain(shots.N.min())} to {plain(shots.N.max())}, but the ranges of "
+            f"unknowns give {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
             "is N in multiples of g?"
         )
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}

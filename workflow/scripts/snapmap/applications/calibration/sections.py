@@ -33,12 +33,12 @@ class CalibrationSection(Section):
     """Values estimated from measured shots."""
 
     shots: path(
-        "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no) and, "
-        "optionally, direction, shape, file (a record)",
+        "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no), "
+        "optionally direction, shape, file (a record)",
         "shots.csv",
     )
     unknowns: part(UnknownsSection)
-    C: quantity("damper", "damping of the mass in the shots", out="unknown, or the one of `sweep`")
+    C: quantity("damper", "damping of the mass in the shots", out="unknown, or that of `sweep`")
 
 
 class Calibration(NamedTuple):
@@ -66,7 +66,7 @@ def read_calibration(
     if damping is None and "C" not in unknowns and C.size == 1:
         damping = float(C[0])
     if isinstance(device, Mapping):
-        raise ValueError("needs a single device; write device in place of devices")
+        raise ValueError("needs a single device; write device instead of devices")
     check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
     table = read_shots(section.shots, files[section.shots])

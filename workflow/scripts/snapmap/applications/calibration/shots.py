@@ -108,7 +108,7 @@ def _entry(key, row, value):
     except (TypeError, ValueError):
         number = 0.0
     if not (is_empty or 0 < number < math.inf):
-        raise ValueError(f"shots, row {row}: {key}: {show(value)} is no number above 0")
+        raise ValueError(f"shots, row {row}: {key}: {show(value)} is not a number above 0")
     return number
 
 
@@ -120,11 +120,11 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
     columns = shot_columns(table)
     tripped = columns["tripped"]
     if tripped.size < FEWEST:
-        raise ValueError(f"shots: {tripped.size} are too few; give {FEWEST} or more")
+        raise ValueError(f"shots: {tripped.size} are too few; write {FEWEST} or more")
     if tripped.all() or not tripped.any():
-        what = "all trip" if tripped.all() else "none trips"
+        what = "tripped" if tripped.all() else "did not trip"
         raise ValueError(
-            f"shots: {what} of {tripped.size}; a threshold needs shots of both outcomes"
+            f"shots: all {tripped.size} {what}; a threshold needs shots of both outcomes"
         )
     known, keys, N = {}, [], []
     for i in range(tripped.size):
@@ -144,8 +144,8 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
             against.append((min(trips.size, others.size) >= MANY, shots.groups[number]))
     if wrong := [group for surely, group in against if surely or len(against) == len(known)]:
         raise ValueError(
-            f"shots: they contradict each other, {wrong[0]}: all that trip lie below all that do "
-            "not; is tripped the wrong way round?"
+            f"shots: contradict each other at {wrong[0]}: every N that tripped is below every "
+            "N that did not; is tripped the wrong way round?"
         )
     return shots
 
@@ -153,7 +153,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
 def _group(row, shocks, known):
     """The key in `known`, groups by what tells their shocks apart, of that of a row."""
     if "file" in row and "shape" in row:
-        raise ValueError("shape stands beside file; write one of them")
+        raise ValueError("shape: excludes file; write one of them")
     direction = row.get("direction", shocks.direction)
     if direction not in DIRECTIONS:
         raise ValueError(f"direction: {show(direction)} is not one of {', '.join(DIRECTIONS)}")
@@ -168,8 +168,8 @@ def _group(row, shocks, known):
     elif name:
         pulse = make_shocks(name).pulse
     if len(times) > 1 or not (times or pulse.duration):
-        what = "both are there" if times else "missing"
-        raise ValueError(f"f0 or duration: {what}; write f0 in Hz, or duration in us")
+        what = "both written" if times else "missing"
+        raise ValueError(f"f0 or duration: {what}; write one: f0 in Hz, or duration in us")
     f0 = times.get("f0") or 1e6 / times.get("duration", pulse.duration)
     pushed = pulse if direction == "+z" else pulse.reversed()
     known[key] = Group(name or pulse.name, direction, f0, pushed)
@@ -178,10 +178,10 @@ def _group(row, shocks, known):
 
 def _level(row, pulse, device):
     if pulse.is_of_frame and device.force:
-        raise ValueError("file: shakes the frame; write gravity in place of device.force")
+        raise ValueError("file: a record shakes the frame; write gravity, not device.force")
     N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
     if math.isnan(N):
-        raise ValueError("N: missing; write a multiple of g")
+        raise ValueError("N: missing; write multiples of g")
     return N
 
 
@@ -191,25 +191,25 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     device: which has a second stable shape at their ends, too
     """
     if not 1 <= len(unknowns) <= MOST:
-        raise ValueError(f"unknowns: {len(unknowns)} of them; name 1 to {MOST}")
+        raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")
     for key, ends in unknowns.items():
         pair, within = numbers(ends), QUANTITIES[key].range
         if pair is None or pair.shape != (2,):
-            raise ValueError(f"unknowns: {key}: {show(ends)} is no pair of low and high")
+            raise ValueError(f"unknowns: {key}: {show(ends)} is not a pair (low, high)")
         low, high = pair
         if not (within.holds(pair).all() and -math.inf < low < high < math.inf):
             need = f" {within}".rstrip()
-            raise ValueError(f"unknowns: {key}: {low:g} to {high:g} is no ascending range{need}")
+            raise ValueError(f"unknowns: {key}: {low:g} to {high:g} does not ascend{need}")
     if ("C" in unknowns) != (C is None):
-        what = "missing; write it, or its range" if C is None else "is unknown; leave it out"
+        what = "missing; write it, or its range" if C is None else "is an unknown; leave it out"
         raise ValueError(f"C: {what}")
     of_device = {key: ends for key, ends in unknowns.items() if key != "C"}
     middle = {key: np.full(1, sum(ends) / 2) for key, ends in of_device.items()}
     for key, ends in of_device.items():
-        for end, side, remedy in zip(ends, ("down", "up"), ("higher", "lower"), strict=True):
+        for end, side, remedy in zip(ends, ("low", "high"), ("higher", "lower"), strict=True):
             if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
                 unit = QUANTITIES[key].unit
                 raise ValueError(
-                    f"unknowns: {key}: {side} to {end:g} {unit} it leaves no second stable shape; "
-                    f"write a {remedy} end"
+                    f"unknowns: {key}: no second stable shape at its {side} end, {end:g} {unit}; "
+                    f"write a {remedy} one"
                 )

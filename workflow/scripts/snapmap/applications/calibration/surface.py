@@ -85,8 +85,8 @@ def _thresholds(study, groups, values, C):
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(
-            f"shots: outside the model's reach, no threshold of {groups[group]} at "
-            f"{_place(values, where)}; leave such shots out, or write narrower ranges"
+            f"shots: the model has no threshold for {groups[group]} at {_place(values, where)}; "
+            "leave such shots out, or write narrower ranges"
         )
     return N_first
 

@@ -55,7 +55,7 @@ def _is_pair(value):
 Value = Annotated[
     str,
     Argument(
-        "C, nor the name of a value of the device, such as thickness",
+        "C or the name of a value of the device, such as thickness",
         lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
     ),
 ]
@@ -80,21 +80,19 @@ def design(
     requirements: arguments.Requirements = (),
     **options: Unpack[DesignOptions],
 ) -> Design | xr.Dataset:
-    """Find the value of a device, or C, at which N (multiples of g) is the threshold.
+    """Find the value of a device, or C, at which N is the threshold, or that meets requirements.
 
-    With requirements in place of N and f0, it finds the windows of the value that meet all of them.
-
-    value: name of a value of the device, such as "thickness", or "C"
-    f0: Hz
-    C: uN us/um; not needed where C is the value
+    value: name of a value of the device, or "C"
+    N, f0: multiples of g, and Hz; None with requirements
+    C: uN us/um; None where C is the value
     between: low and high end of the searched range, internal units
-    requirements: mappings of name, N, f0 (Hz) and snaps, optionally of pulse and direction; each
-        must hold under all its shapes and directions
+    requirements: mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must
+        hold under all its shapes and directions
     options: horizon, energy_tolerance, threads, start, pulse, direction, model options
-    Returns a Design, the lowest value if several are right, with a warning; with requirements a
+    Returns a Design, the lowest of several values with a warning. With requirements it returns a
     Dataset of `low` and `high`, their errors, and what ends each window (`low_from`, `high_from`)
-    over `window`, and `met` over `requirement` and `tried`. If there is no window, a warning tells
-    where each requirement holds.
+    over `window`, and `met` over `requirement` and `tried`; without a window it warns where each
+    requirement holds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
@@ -107,16 +105,18 @@ def design(
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
-        raise ValueError("C: is the value to find; leave it out")
+        raise ValueError("C: is the value that design searches; leave it out")
     for key, argument in shock.items():
         if argument is None:
             need = argument_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
-        raise ValueError("pulse: several; give one shape and one direction")
+        raise ValueError("pulse: has several; write one shape and one direction")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
-        raise ValueError(f"between: {low:g}, {high:g} are not two ascending values from {least:g}")
+        raise ValueError(
+            f"between: {low:g}, {high:g} do not ascend from {least:g}; write (low, high)"
+        )
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))
@@ -260,7 +260,9 @@ def _single(value, N, grid, N_first, values, errors):
     unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
-        runs = f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "is not there"
+        runs = (
+            f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
+        )
         raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)

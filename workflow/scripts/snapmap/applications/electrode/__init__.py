@@ -18,7 +18,7 @@ def described():
 def request(section, study, document):
     """Nothing; ValueError where only some devices have one."""
     if len({bool(device.has_electrode) for device in study.devices().values()}) > 1:
-        need = "only some devices have one; write it for all or none"
+        need = "only some devices have it; write it for all or for none"
         raise ValueError(f"device.contact_at: {need}")
 
 

@@ -8,8 +8,7 @@ from ...config.keys import quantity
 from ...config.shocks import PulseSection
 from ...solver.settings import SECOND
 from ...study.study import Study
-from ..requirements.check import Verdict
-from ..requirements.corners import MET, UNCLEAR, VIOLATED
+from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import RequiredShock
 from ..requirements.sections import ShockSection
 
@@ -31,7 +30,7 @@ class RequiredClosing(RequiredShock):
         if not any(device.has_electrode for device in study.devices().values()):
             closing = next(key for key in DEMANDS if key in self.values)
             need = "write the place of the electrode, such as '-5 um'"
-            raise ValueError(f"device.contact_at: missing, for {closing}; {need}")
+            raise ValueError(f"device.contact_at: missing, but {closing} needs it; {need}")
         super().require(study)
 
 
@@ -50,7 +49,7 @@ class ClosingSection(ShockSection):
             closing = next(key for key in DEMANDS if self.has(key))
             more = ", and no start" if self.start else ""
             need = f"write snaps: true or any{more}"
-            raise ValueError(f".{closing}: is of a device that must trip; {need}")
+            raise ValueError(f".{closing}: needs a device that must trip; {need}")
         super().make()
 
     def under(self, pulse: PulseSection | None) -> RequiredClosing:

@@ -61,11 +61,11 @@ def simulate(
 
     model: `auto` takes its finest level
     options: horizon, energy_tolerance, until, start, pulse, direction, model options; `until`
-        and `energy_tolerance` only set the time step, as in a sweep
+        and `energy_tolerance` only set the time step
     Attributes are `outcome` (a word), `t_snap` (us, NaN without a snap), `work_error`,
-    `t_snap_error`, `blow` and the closures of an electrode, as in a sweep of this cell; and the
-    largest values of the run: `toward_max`, `away_max` (travel of the mass from rest, um),
-    `contact_force_max` (uN), `stress_max`, `stress_max_to_snap` (MPa).
+    `t_snap_error`, `blow` and the closures of an electrode, as in a sweep; and the largest
+    `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
+    `stress_max`, `stress_max_to_snap` (MPa).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -79,7 +79,7 @@ def simulate(
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
     if study.shocks.axes:
-        raise ValueError("pulse: several; a history is of one shape in one direction")
+        raise ValueError("pulse: has several; write one shape and one direction for a history")
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()

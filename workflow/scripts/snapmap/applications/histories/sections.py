@@ -22,10 +22,10 @@ def _changed(name, kind):
 class CellSection(of_device(_changed)):
     """A cell whose time history is drawn."""
 
-    N: quantity("number")
-    f0: quantity("frequency", out="required, or `duration`")
+    N: quantity("number", "peak of the shock over gravity")
+    f0: quantity("frequency", "1/duration of the shock", out="required, or `duration`")
     duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
-    C: quantity("damper")
+    C: quantity("damper", "damping of the mass")
     device: argument(
         Argument("the name of one of the devices", lambda name: isinstance(name, str)),
         out="the first",

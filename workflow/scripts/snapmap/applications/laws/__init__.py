@@ -8,7 +8,7 @@ def section():
     """Whether the laws are held against the thresholds."""
     from ...config.keys import flag
 
-    return flag("whether the three laws are held against the thresholds", out="`false`")
+    return flag("whether three laws are fitted to the thresholds", out="`false`")
 
 
 def request(section, study, document):

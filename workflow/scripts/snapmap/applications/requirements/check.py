@@ -12,48 +12,16 @@ from ...device.device import Device
 from ...device.quantities import plain
 from ...solver.adaptive import choose_model
 from ...solver.outcome import FAILED, OUTCOMES, label
-from ...solver.settings import FIRST, THRESHOLD_TOLERANCE
+from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.axes import rows_of
 from ...study.study import ANY, Study, of_requirement
-from ...thresholds.surface import thresholds_of
-from .corners import MET, UNCLEAR, VIOLATED, beyond, corner_text
+from ...thresholds.surface import first_snaps
+from .corners import MET, UNCLEAR, VIOLATED, Verdict, beyond, corner_text
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of thresholds of what is no single shock."""
 SEARCHED = "N_first", "N_error", "N_always", "ragged"
 """What a search along N tells of a row."""
-
-
-class Verdict(NamedTuple):
-    """One requirement on one device at one damping, at one temperature, under one shock.
-
-    N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um; temperature: degC
-    must_snap: true, false, or ANY
-    scale, scale_first: N and N_first as factors of the record; NaN unless it is one
-    margin, margin_error: N_first and its bar over N; NaN where nothing snaps
-    outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
-    start: as in `Settings`
-    """
-
-    requirement: str
-    device: str
-    shape: str
-    direction: str
-    N: float
-    f0: float
-    duration: float
-    C: float
-    temperature: float
-    must_snap: bool | str
-    outcome: str
-    N_first: float
-    N_error: float
-    margin: float
-    margin_error: float
-    verdict: str
-    scale: float
-    scale_first: float
-    start: str = FIRST
 
 
 class Survival(NamedTuple):
@@ -110,7 +78,7 @@ def each_device(
 def _verdicts(study, name, required, C, tolerance):
     N, f0, settings = required["N"], required["f0"], study.settings
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
-    thresholds, grid = thresholds_of(study, axes, tolerance), study.set_out(axes)
+    thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
     cells = rows_of(grid).cells(grid.device, N, settings.horizon)
     model = choose_model(grid.device, study.model, settings.start)
     observed = model.follow(cells, settings)
@@ -180,7 +148,7 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
         return furthest, f"{where}: nothing snaps"
     side = "not sensitive enough" if furthest.must_snap else "too sensitive"
     is_wrong = beyond(furthest.margin, furthest.must_snap) > 0
-    words = f"{where}: {side}, " if is_wrong else f"nearest is {where}: "
+    words = f"{where}: {side}, " if is_wrong else f"least margin at {where}: "
     need = "must" if furthest.must_snap else "must not"
     unit = LEVELS.get(furthest.shape, "")
     lead = "" if unit else "N = "

@@ -3,13 +3,47 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ...device.quantities import plain
+from ...solver.settings import FIRST
 from ...study.study import ANY, Study, of_requirement
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
+
+
+class Verdict(NamedTuple):
+    """One requirement on one device at one damping, at one temperature, under one shock.
+
+    N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um; temperature: degC
+    must_snap: true, false, or ANY
+    scale, scale_first: N and N_first as factors of the record; NaN unless it is one
+    margin, margin_error: N_first and its bar over N; NaN where nothing snaps
+    outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
+    start: as in `Settings`
+    """
+
+    requirement: str
+    device: str
+    shape: str
+    direction: str
+    N: float
+    f0: float
+    duration: float
+    C: float
+    temperature: float
+    must_snap: bool | str
+    outcome: str
+    N_first: float
+    N_error: float
+    margin: float
+    margin_error: float
+    verdict: str
+    scale: float
+    scale_first: float
+    start: str = FIRST
 
 
 def read_verdicts(path: str | Path) -> list[dict]:

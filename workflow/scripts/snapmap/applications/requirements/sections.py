@@ -25,7 +25,7 @@ from .required import Required, RequiredShock
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
 NAME = argument(
-    Argument("a name of its own: letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
+    Argument("a unique name of letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
 )
 
 
@@ -33,7 +33,7 @@ def snaps(*words: str) -> object:
     """The key that says whether a device must trip: true, false, or one of some words."""
     need, what = "true or false", "whether the device must trip"
     if words:
-        need, what = "true, false or any", f"{what}; any: either is right"
+        need, what = "true, false or any", f"{what}; `any`: either is right"
     fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
     return argument(fits, what)
 
@@ -45,25 +45,29 @@ def _survival(value):
 class ShockSection(PulseSection):
     """A shock that must, or must not, trip the device.
 
-    It counts at each temperature of the sweep. Shape and direction that it leaves out are those of
-    `pulse`; of several shapes or directions it counts under each.
+    A requirement holds at every temperature of the sweep. Its shape and direction are those of
+    `pulse` unless it has its own; of several it holds under each.
     """
 
     kind: ClassVar = RequiredShock
     name: NAME
-    N: quantity("number", "above 0", out="required, but of a drop")
+    N: quantity("number", "peak of the shock over gravity", out="required, but of a drop")
     snaps: snaps(ANY)
     survives: key(
         _survival,
-        "true, false or a share: whether, or with what probability, the beam must stay whole",
+        "true, false or a share: whether, or how probably, the beam must not break",
         example="99.99 %",
         out=f"`true`, that is `{100 * SURVIVES:g} %`",
     )
-    f0: quantity("frequency", out="required, or `duration`, or a shock with its own")
+    f0: quantity(
+        "frequency",
+        "1/duration of the shock",
+        out="required, or `duration`, or a shock with its own",
+    )
     duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
     shape: several_shapes("or a list of these, all of which count", "those of `pulse`")
     direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
-    start: word(*STARTS, what="the shape in which the beam rests at first", out=f"`{FIRST}`")
+    start: word(*STARTS, what="shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
     def beside(cls, given: Mapping) -> dict[tuple, str]:
@@ -114,8 +118,8 @@ class ShockSection(PulseSection):
         values = pulse.values() if pulse else {}
         if timed := next((name for name in TIMED if name in values), None):
             raise ValueError(
-                f".shape: missing, as the study's pulse is a {timed} that lasts a time of its own; "
-                f"write a shape such as half sine, or its {timed}"
+                f".shape: missing, as the study's {timed} sets its own duration; write a "
+                f"shape such as half sine, or the {timed}"
             )
         return values
 

@@ -10,8 +10,8 @@ from ...files.atomic import replacing
 from ...study.study import Study
 from ..design.design import remedy, with_value
 from ..histories.history import Extremes
-from .check import Survival, Verdict, summary, worst
-from .corners import VIOLATED, at_corner, beyond
+from .check import Survival, summary, worst
+from .corners import VIOLATED, Verdict, at_corner, beyond
 from .required import Required
 
 
@@ -50,7 +50,7 @@ def hint(
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
-    return f"it does so with {' or '.join(changes)}, all else as it is" if changes else ""
+    return f"{' or '.join(changes)} meets it, all else unchanged" if changes else ""
 
 
 def write_verdicts(study: Study, requirements: Sequence[Required], path: str) -> None:

@@ -7,7 +7,6 @@ from typing import Annotated
 import numpy as np
 
 from ...device.argument import argument_of, integer, pairs
-from ...numerics.kernels import compiled, sine
 from ...pulse.pulse import Pulse, straight
 
 REACH = 0.01
@@ -84,26 +83,19 @@ class Spectrum:
         phase drawn evenly. It begins and ends at rest, as its first and last sample are set to 0.
         length: s; seed: of the phases
         """
+        from .sums import sines  # numba, for which no config that is read has to wait
+
         samples = 1 << math.ceil(math.log2(PER_PERIOD * self.f[-1] * length))
         lines = np.arange(1, math.floor(self.f[-1] * length) + 1)
         f, share = lines / length, lines / samples
         # What straight lines between samples keep of an amplitude.
-        kept = (_sines(share / 2) / (np.pi * share)) ** 2
+        kept = (sines(share / 2) / (np.pi * share)) ** 2
         amplitude = np.sqrt(2 * self.at(f) / length) / kept
         turns = np.random.default_rng(seed).random(f.size)
         bins = np.zeros(samples // 2 + 1, complex)
-        bins[lines] = amplitude * (_sines(turns + 0.25) + 1j * _sines(turns)) * samples / 2
+        bins[lines] = amplitude * (sines(turns + 0.25) + 1j * sines(turns)) * samples / 2
         acceleration = np.append(np.fft.irfft(bins, samples), 0.0)
         acceleration[0] = 0.0
         peak = float(abs(acceleration).max())
         x = np.arange(samples + 1) / samples
         return Pulse("vibration", straight(x, acceleration / peak), 1e6 * length), peak
-
-
-@compiled
-def _sines(turns):
-    """sin(2 pi turns), (n,)."""
-    sines = np.empty(turns.size)
-    for i in range(turns.size):
-        sines[i] = sine(turns[i])
-    return sines

@@ -51,7 +51,7 @@ def _points(name, unit, such, what, example):
     def level(value):
         number, _, written = str(value).strip().partition(" ")
         if written.replace("²", "^2").replace("**", "^") != unit:
-            raise ValueError(f"{show(value)} is no {name}; write one such as '{such} {unit}'")
+            raise ValueError(f"{show(value)} is not a {name}; write one such as '{such} {unit}'")
         return read(number, "number")
 
     pair = tuple[quantity("frequency"), key(level, name)]

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...device.argument import argument_of, pairs
 from ...numerics import portable
-from ...numerics.kernels import compiled, sine
 from ...pulse.pulse import Pulse, straight
 
 Q = 10.0
@@ -70,7 +69,7 @@ def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
     points = argument_of(Levels).take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
-        raise ValueError(f"srs: its frequencies span more than 1 : {MOST_SPAN}")
+        raise ValueError(f"srs: its frequencies span more than 1:{MOST_SPAN}")
     return points
 
 
@@ -98,6 +97,8 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
     points: as from `check_points`; seed: of the wavelets' lengths, signs and begins
     Raises ValueError, one line, where it is not met within BAND.
     """
+    from .sums import wavelets  # numba, for which no config that is read has to wait
+
     f = frequencies(points[0][0], points[-1][0])
     target, draw = level(points, f), np.random.default_rng(seed)
     lobes, sign = draw.choice(LOBES, f.size), draw.choice([-1.0, 1.0], f.size)
@@ -108,7 +109,7 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
     amplitude, best = sign * target / Q, None
     for _ in range(ROUNDS):
         amplitude = np.array([float(f"{a:.{DIGITS}g}") for a in amplitude])
-        a = _sum(amplitude, f * step, begin / step, lasts / step, samples)
+        a = wavelets(amplitude, f * step, begin / step, lasts / step, samples)
         deviation = 20 * np.log10(response(a, step, f) / target)
         if best is None or abs(deviation).max() < abs(best[1]).max():
             best = a, deviation
@@ -124,14 +125,3 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
 def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
     """Core time in which a record like one of a spectrum is drawn, s, about."""
     return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)
-
-
-@compiled
-def _sum(amplitude, f, begin, lasts, samples):
-    """The sum of wavelets, (samples,); f, begin, lasts: in samples."""
-    total = np.zeros(samples)
-    for i in range(f.size):
-        for k in range(int(begin[i]) + 1, min(samples, int(begin[i] + lasts[i]) + 1)):
-            s = k - begin[i]
-            total[k] += amplitude[i] * sine(s / (2 * lasts[i])) * sine(f[i] * s)
-    return total

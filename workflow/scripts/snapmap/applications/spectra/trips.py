@@ -46,9 +46,8 @@ def srs_test(
 ) -> xr.Dataset:
     """Follow a device under random records that meet a shock response spectrum of Q = 10.
 
-    srs: pairs of frequency (Hz) and level (multiples of g), ascending, interpolated linearly on
-        logarithmic scales
-    records: number of records, which consist of wavelets at sixth octaves
+    srs: ascending pairs (Hz, multiples of g), interpolated on logarithmic scales
+    records: number of records, of wavelets at sixth octaves
     seed: of the random records
     options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
     The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...pulse.shocks import make_shocks
 from ...study.study import Study
-from ..requirements.check import Verdict, each_device
-from ..requirements.corners import MET, UNCLEAR, VIOLATED
+from ..requirements.check import each_device
+from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from .psd import Spectrum
 from .srs import check_points
 from .trips import FACTORS, ends, trips_of

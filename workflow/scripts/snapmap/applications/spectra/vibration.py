@@ -56,17 +56,16 @@ def vibration(
 ) -> xr.Dataset:
     """Find how often Gaussian vibration snaps a device, and the level that it withstands.
 
-    psd: one-sided density of the stationary vibration, as ascending pairs (Hz, g^2/Hz),
-        interpolated linearly on logarithmic scales
+    psd: one-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales
     duration: s
-    records: number of records from rest; each lasts a second, or ten periods of the lowest
-        frequency, or the duration if that is shorter
+    records: number of records from rest, each of a second or ten periods of the lowest frequency,
+        at most the duration
     seed: of the random phases
     reach: probability of a snap within the duration at the returned level
     options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
-    The Dataset holds, over (..., C), `rate` and `probability` at the spectrum as it stands, with
-    Poisson's bounds, and `level` (g rms) from Rice's law fitted to all levels; its bounds are inf
-    where the runs do not determine it. The attribute `rms` is that of the spectrum (g).
+    The Dataset holds, over (..., C), `rate` and `probability` under this spectrum, with Poisson's
+    bounds, and `level` (g rms) by Rice's law, with bounds of inf where the runs do not determine
+    it. The attribute `rms` is that of the spectrum (g).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}

@@ -33,16 +33,14 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
 
-    - `guided`: a symmetric beam, straight where the axial force is the second buckling load
-      (Vangbo, 1998)
-    - `unbranched`: the second mode is suppressed; no real beam follows it
-    - `tilted`: a beam that is free to tilt, with its imperfection
+    - `guided`: a symmetric beam (Vangbo, 1998)
+    - `unbranched`: the second mode suppressed (not physical)
+    - `tilted`: a beam free to tilt, with its imperfection
 
-    Attributes describe the path that the beam takes: `largest_force` and `least_force` between the
-    shapes (uN; a beam whose least force is above 0 returns by itself), w(L/2) of both shapes and
-    the saddle (`rise`, `second_equilibrium`, `saddle`, um), and the energy of the saddle
-    (`barrier`, pJ; 0 without a second stable shape). `hold_force` (uN)
-    presses a resting beam on its electrode.
+    Attributes of the beam's own path: `largest_force` and `least_force` between the shapes (uN;
+    above 0 the beam returns by itself), w(L/2) of both shapes and the saddle (`rise`,
+    `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0 without a second
+    stable shape), and `hold_force` (uN) on an electrode.
 
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
     >>> round(path.largest_force, 2), round(path.least_force, 2)

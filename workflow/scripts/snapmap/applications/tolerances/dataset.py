@@ -56,16 +56,16 @@ def tolerance(
     """Find the thresholds of devices whose values scatter, over C (uN us/um) and f0 (Hz).
 
     scatters: standard deviation of each value, in internal units or as a share such as "5 %", or
-        {kind: width}; kinds are normal, uniform (half width), lognormal and truncated (at two
-        standard deviations); N, duration and C scatter from shock to shock, in shares
-    N: multiples of g at which probabilities are wanted; the range of thresholds by default
+        {kind: width} of normal, uniform (half width), lognormal or truncated (at two standard
+        deviations); N, duration and C scatter from shock to shock, in shares
+    N: multiples of g for probabilities; None for the range of thresholds
     model: `auto` takes the cheapest level within its tolerance, 0.1 % by default
     tolerance: relative refinement of each threshold
     samples: number of devices
-    index_samples: number of devices for Sobol indices; as many as are affordable by default
+    index_samples: number of devices for Sobol indices; None for as many as are affordable
     seed: of the random devices
     together: groups of names, as [["span", "rise"]]; a single draw moves each group
-    requirements: as `design` takes them, optionally with survives (whether the beam must not break)
+    requirements: as of `design`, optionally with survives (whether the beam must not break)
     options: horizon, energy_tolerance, threads, start, pulse, direction, model options
 
     >>> device = snapmap.load_device("config/config.yaml")

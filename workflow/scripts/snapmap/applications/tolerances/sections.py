@@ -26,7 +26,7 @@ def _scatter(name, kind, example=""):
         if isinstance(value, str) and value.strip().endswith("%"):
             return f"{100 * read(value, 'share'):.12g} %"
         if name in SHOCK_FACTORS:
-            raise ValueError(f"{show(value)} is no share; write one such as '5 %'")
+            raise ValueError(f"{show(value)} is not a share; write one such as '5 %'")
         try:
             return read(value, kind)
         except ValueError as error:
@@ -37,11 +37,13 @@ def _scatter(name, kind, example=""):
         if not isinstance(value, Mapping):
             return width(value)
         if len(value) != 1 or next(iter(value)) not in SPREADS:
-            raise ValueError(f"{show(value)} is not of one of {', '.join(SPREADS)}, with its width")
+            raise ValueError(
+                f"{show(value)} is not a mapping of one of {', '.join(SPREADS)} to its width"
+            )
         return {spread: width(size) for spread, size in value.items()}
 
     value = "" if name in SHOCK_FACTORS else " or a value"
-    need = f"a standard deviation, as a share{value}, or a mapping of its kind to such a width"
+    need = f"a standard deviation, as a share{value}, or a mapping of a kind to its width"
     return key(convert, need, example=example, out="no scatter")
 
 

@@ -6,21 +6,33 @@ rule, message = "find_window", "Find the window of the requirements"
 part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
 
 
+def design_axes(study):
+    """Values on the axes that a design chooses."""
+    from ...config.study import DESIGN
+
+    return {key: values for key, values in study.axes.items() if key in DESIGN}
+
+
+def choose_axes(study):
+    """Choose the axes over which requirements are drawn: two of the device and C, or none."""
+    from ...study.axes import DEVICE
+
+    several = {key: values for key, values in study.axes.items() if values.size > 1}
+    chosen = tuple(key for key in design_axes(study) if key in several)
+    return chosen if len(chosen) == 2 and DEVICE not in several else ()
+
+
 def outputs(study):
     """The window, of a study with required shocks and two axes of device and damper."""
-    from .window import choose_axes
-
-    is_drawn = shocks_of(study) and choose_axes(study.grid)
+    is_drawn = shocks_of(study) and choose_axes(study)
     return {"window": "results/window.nc"} if is_drawn else {}
 
 
 def params(study):
     """The axes, required shocks, and what scatters."""
-    from .window import DESIGN_AXES
-
     tolerances = study.requests.get("tolerances")
     return {
-        "axes": {key: study.axes[key].tolist() for key in study.axes if key in DESIGN_AXES},
+        "axes": {key: values.tolist() for key, values in design_axes(study).items()},
         "requirements": plain_shocks(study),
         "tolerances": tolerances._asdict() if tolerances else {},
     }
@@ -29,19 +41,17 @@ def params(study):
 def run(study, path):
     """Find where required shocks are met, and by which share of devices."""
     from ...study.netcdf import write_product
-    from .window import DESIGN_AXES, summary, window_of
+    from .window import summary, window_of
 
-    axes = {key: study.axes[key] for key in study.axes if key in DESIGN_AXES}
     tolerances = study.requests.get("tolerances")
+    axes = design_axes(study)
     dataset = window_of(study.of_thresholds(), axes, shocks_of(study), tolerances)
     write_product(dataset, path, lambda window: summary(window, study.units))
 
 
 def figures(study):
     """A figure over both axes, with their units."""
-    from .window import choose_axes
-
-    units = {key: study.units.get(key) for key in choose_axes(study.grid)}
+    units = {key: study.units.get(key) for key in choose_axes(study)}
     return {"window": {"axes": units}}
 
 

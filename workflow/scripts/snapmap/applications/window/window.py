@@ -7,29 +7,18 @@ import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.device import VALUES
 from ...device.quantities import QUANTITIES, plain
 from ...device.samples import Plan, Tolerances
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
-from ...study.axes import DEVICE, TEMPERATURE, Grid, Units, rows_of
+from ...study.axes import TEMPERATURE, Units, rows_of
 from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
-from ...thresholds.surface import thresholds_of
+from ...thresholds.surface import first_snaps
 from ...thresholds.survey import NOTHING_SNAPS
 from .between import FAR, between, least_reserve, reserves_between
-
-DESIGN_AXES = *(key for key in VALUES if key != TEMPERATURE), "C"
-"""Axes that a design chooses."""
-
-
-def choose_axes(grid: Grid) -> tuple[str, ...]:
-    """Choose the axes over which requirements are drawn: two of the device and C, or none."""
-    several = [key for key, values in grid.axes.items() if values.size > 1]
-    chosen = tuple(key for key in several if key in DESIGN_AXES)
-    return chosen if len(chosen) == 2 and DEVICE not in several else ()
 
 
 def window_of(
@@ -55,7 +44,7 @@ def window_of(
             single = replace(shaken, shocks=shocks)
             pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
             if pulse not in thresholds:
-                surface = thresholds_of(single, {**axes, "f0": [f0]})
+                surface = first_snaps(single, {**axes, "f0": [f0]})
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
             under.append(_under_shock(single, axes, required, thresholds[pulse]))
         windows.append(_worst(under))

@@ -1,0 +1,25 @@
+"""Sums of sines, compiled."""
+
+import numpy as np
+
+from ...numerics.kernels import compiled, sine
+
+
+@compiled
+def sines(turns):
+    """sin(2 pi turns), (n,)."""
+    values = np.empty(turns.size)
+    for i in range(turns.size):
+        values[i] = sine(turns[i])
+    return values
+
+
+@compiled
+def wavelets(amplitude, f, begin, lasts, samples):
+    """The sum of wavelets, (samples,); f, begin, lasts: in samples."""
+    total = np.zeros(samples)
+    for i in range(f.size):
+        for k in range(int(begin[i]) + 1, min(samples, int(begin[i] + lasts[i]) + 1)):
+            s = k - begin[i]
+            total[k] += amplitude[i] * sine(s / (2 * lasts[i])) * sine(f[i] * s)
+    return total
