@@ -7,12 +7,13 @@ import pytest
 from varied import in_steps
 
 import snapmap
+from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.search import lowest_snap
 from studies import coverage
-from studies.coverage import ask, judge, ratios
+from studies.coverage import ask, draw_rows, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
 
 LIGHT, STIFF = {"mass": 0.6}, {"spring": 1e5}
@@ -58,3 +59,34 @@ def test_errors_lie_within_their_bars(monkeypatch):
         asked += truth.size
     over = np.concatenate(over)
     assert over.size > asked / 2 and np.mean(over <= 1) > 0.95
+
+
+def test_a_bar_covers_what_the_finest_model_sees(handout):
+    """Under two blows across a gap three and five cosines agree by luck, as eleven do not."""
+    beam = {"span": 1852.3, "rise": 49.715, "thickness": 15.306, "depth": 21.172}
+    beam |= {"youngs_modulus": 131950.0, "residual_stress": -26.214}
+    mass = {"mass": 200.15, "spring": 204.36, "contact": np.inf, "gap": 2.7397}
+    device = dataclasses.replace(handout, beam=dataclasses.replace(handout.beam, **beam), **mass)
+    blow, shocks = {"shape": "half sine"}, {}
+    first, second = {"duration": 123.72, "N": 0.50923}, {"duration": 153.31, "N": 0.86779}
+    shocks["train"] = [blow | first, {"wait": 55.04}, blow | second]
+    found = snapmap.threshold(device, [774.23], [2.0224], pulse=shocks, threads=2)
+    N, bar = found.N_first.item(), found.N_error.item()
+    fine = in_steps(build_model(device, "elements", elements=20, modes=9), 0.3)
+    rows = to_rows(0, 774.23, 2.0224, 0, (make_shocks(shocks).pulse,))
+    truth = lowest_snap(fine, rows, (0.99 * N, 1.01 * N), Settings(), 1e-5, 0.002)[0]
+    assert abs(truth - N) < bar < 5e-4 * N
+
+
+def test_rows_too_slow_to_judge_are_counted(monkeypatch):
+    """All of versed sines are judged; of other pulses some are not, and the slowest are these."""
+
+    def left_out(of_all):
+        draw = np.random.default_rng(7)
+        return np.array([draw_rows(draw, of_all)[-1] for _ in range(20)])
+
+    assert not left_out(False).any()
+    some = left_out(True)
+    assert 0 < some.mean() < 0.4 and some[:, 0].sum() > some[:, -1].sum()
+    monkeypatch.setattr(coverage, "MOST_STEPS", np.inf)
+    assert not left_out(True).any()

@@ -114,7 +114,7 @@ class Survey(NamedTuple):
     others: with which that is compared; of two, the second is better than the one that decides
     finest: the best, in steps that show what others miss; None where it decides
     static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
-    judges: with which ragged rows are compared, too
+    judges: finer ones, with which rows are compared, too
     finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
         tolerance, relative; None for no further look
     lawful: whether models have a user's own laws, of which no static threshold is known

@@ -532,8 +532,9 @@ def compare(
     clean = np.where(ragged, np.nan, N_first)
     in_time = distance(ask(in_steps), clean, tolerance)
     in_space = [distance(ask(other), clean, tolerance) for other in models.others]
+    by_judges = [distance(ask(judge), clean, tolerance) for judge in models.judges]
     # The second, the better one, may itself be off by as much.
-    near = in_time + np.max(in_space, axis=0) + sum(in_space[1:])
+    near = in_time + np.max(in_space + by_judges, axis=0) + sum(in_space[1:])
     if models.finest is not None:
         # An island below that finer steps open belongs to the bar.
         alone = np.where(rings, clean, np.nan)
