@@ -47,10 +47,11 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
+        energy: Value
         if part.laws and part.laws.force:
             energy, swing = barrier.energy, 0.0 * barrier.energy
         elif start == FIRST:
-            energy: Value = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
+            energy = np.maximum(barrier.energy, displacement * displacement / (2 * soft))
             swing = np.sqrt(energy / (2 * (sag + of_beam)))
         else:
             energy = barrier.energy - part.second.energy

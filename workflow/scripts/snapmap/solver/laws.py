@@ -62,21 +62,22 @@ def reference(
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
     'snapped'
     """
-    return by_laws({"damping": damping, "contact": contact, "force": force})
+    laws = made({"damping": damping, "contact": contact, "force": force})
+    return {"name": "reference", "laws": laws}
 
 
-def by_laws(functions: Mapping[str, object]) -> dict[str, object]:
-    """Make a model of functions by the names of their laws; ValueError, one line, for no law."""
+def made(functions: Mapping[str, object]) -> Laws:
+    """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws or ("solver" in laws and len(laws) > 1):
         many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
         raise ValueError(f"model.laws: {many}; write a function named {needs}")
-    return {"name": "reference", "laws": Laws(**laws)}
+    return Laws(**laws)
 
 
 @cache
 def load_laws(path: str, sha256: str = "") -> Laws:
-    """Read the laws of a Python file, which is run; raises ValueError, one line, as `by_laws`.
+    """Read the laws of a Python file, which is run; raises ValueError, one line, as `made`.
 
     sha256: expected hash of the file, hex digits; empty for any
     """
@@ -86,7 +87,7 @@ def load_laws(path: str, sha256: str = "") -> Laws:
             exec(compile(content, path, "exec"), names)
         except Exception as error:  # a user's code may raise any
             raise ValueError(f"{type(error).__name__}: {error}") from None
-    return by_laws(names)["laws"]
+    return made(names)
 
 
 def laws_of(options: Mapping) -> Laws | None:

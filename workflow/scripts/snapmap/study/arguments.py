@@ -15,7 +15,7 @@ from ..device.argument import Argument, Flag, integer, is_flag, is_list, number,
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES, Bounds, bounds_of
 from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
-from ..solver.laws import by_laws
+from ..solver.laws import made
 from ..solver.options import OPTIONS, ModelOptions
 from ..solver.settings import FIRST, STARTS, UNTIL
 from .study import ANY
@@ -86,7 +86,9 @@ Model = Annotated[
     Argument(
         f"one of {', '.join(OPTIONS)}, or what reference makes, or a solver of your own",
         _is_model,
-        lambda value: by_laws({"solver": value}) if callable(value) else value,
+        lambda value: (
+            {"name": "reference", "laws": made({"solver": value})} if callable(value) else value
+        ),
     ),
 ]
 Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
