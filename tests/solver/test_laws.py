@@ -281,6 +281,12 @@ def test_what_a_solver_of_ones_own_does_not_tell_is_refused(handout):
         snapmap.simulate(handout, 900.0, F0, 0.0, model=lambda cell, step: None)
 
 
+@pytest.mark.parametrize("answer", [True, False, -1.0, "snapped", 1j])
+def test_an_answer_of_a_solver_that_is_no_time_is_refused(handout, answer):
+    with pytest.raises(ValueError, match=r"^model\.laws: solver: returns .*; return the time"):
+        snapmap.sweep(handout, [900.0], [F0], [0.0], model=lambda cell, step: answer)
+
+
 def test_a_solver_says_what_it_does_not_believe_and_is_told_the_start(handout):
     def model(cell, step):
         return np.inf if cell.start == "first" else 9.0

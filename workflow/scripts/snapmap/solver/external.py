@@ -1,11 +1,14 @@
 """Cells followed by a solver of a user's own: a function of one cell."""
 
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 
 from ..device.device import Device
 from ..pulse.pulse import Pulse
+
+LANES = 1  # cells that are followed side by side
 
 
 class Cell(NamedTuple):
@@ -28,13 +31,25 @@ def march(model, cells, dt, settings):
     """Follow cells by the solver of `Laws`, as `plain_loop.march` does.
 
     It takes a `Cell` and a step, us; and returns t_snap, us: None or NaN without a snap, inf where
-    it does not believe its run
+    it does not believe its run. Raises ValueError, one line, for any other answer
     """
     t_snap, unknown = np.empty(dt.size), np.full(dt.size, np.nan)
     for i in range(dt.size):
         device, pulse, *values = (column[i].item() for column in cells[:-1])
         alone = model.pick(device).device
         cell = Cell(alone, cells.pulses[pulse], *values, settings.start)
-        t_snap[i] = model.laws.solver(cell, dt[i].item())
+        t_snap[i] = _time_of(model.laws.solver(cell, dt[i].item()))
     lost = np.where(np.isinf(t_snap), np.inf, 0.0)
     return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
+
+
+def _time_of(answer):
+    """Read what a solver returns as a time, us: NaN for None; raises ValueError for no time."""
+    if answer is None:
+        return np.nan
+    if isinstance(answer, Real) and not isinstance(answer, bool) and not answer < 0:
+        return float(answer)
+    needs = (
+        "return the time of the snap (us), None without a snap, or inf for a run you do not trust"
+    )
+    raise ValueError(f"model.laws: solver: returns {answer!r}; {needs}")

@@ -62,11 +62,11 @@ def reference(
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
     'snapped'
     """
-    laws = made({"damping": damping, "contact": contact, "force": force})
+    laws = compile_laws({"damping": damping, "contact": contact, "force": force})
     return {"name": "reference", "laws": laws}
 
 
-def made(functions: Mapping[str, object]) -> Laws:
+def compile_laws(functions: Mapping[str, object]) -> Laws:
     """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws or ("solver" in laws and len(laws) > 1):
@@ -77,7 +77,7 @@ def made(functions: Mapping[str, object]) -> Laws:
 
 @cache
 def load_laws(path: str, sha256: str = "") -> Laws:
-    """Read the laws of a Python file, which is run; raises ValueError, one line, as `made`.
+    """Read the laws of a Python file, which is run; raises ValueError, one line, as `compile_laws`.
 
     sha256: expected hash of the file, hex digits; empty for any
     """
@@ -87,7 +87,7 @@ def load_laws(path: str, sha256: str = "") -> Laws:
             exec(compile(content, path, "exec"), names)
         except Exception as error:  # a user's code may raise any
             raise ValueError(f"{type(error).__name__}: {error}") from None
-    return made(names)
+    return compile_laws(names)
 
 
 def laws_of(options: Mapping) -> Laws | None:

@@ -15,7 +15,7 @@ from ..device.argument import Argument, Flag, integer, is_flag, is_list, number,
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES, Bounds, bounds_of
 from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
-from ..solver.laws import made
+from ..solver.laws import compile_laws
 from ..solver.options import OPTIONS, ModelOptions
 from ..solver.settings import FIRST, STARTS, UNTIL
 from .study import ANY
@@ -61,6 +61,13 @@ def _is_requirement(value):
     )
 
 
+def _model_of(value):
+    """Give a solver as a model; any other is as it should be."""
+    if callable(value):
+        return {"name": "reference", "laws": compile_laws({"solver": value})}
+    return value
+
+
 def _requirement(value):
     return {**value, **{key: kind.convert(value[key]) for key, kind in _REQUIRED.items()}}
 
@@ -86,9 +93,7 @@ Model = Annotated[
     Argument(
         f"one of {', '.join(OPTIONS)}, or what reference makes, or a solver of your own",
         _is_model,
-        lambda value: (
-            {"name": "reference", "laws": made({"solver": value})} if callable(value) else value
-        ),
+        _model_of,
     ),
 ]
 Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
