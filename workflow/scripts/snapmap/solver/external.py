@@ -1,6 +1,5 @@
 """Cells followed by a solver of a user's own: a function of one cell."""
 
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -43,13 +42,12 @@ def march(model, cells, dt, settings):
     return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
 
 
-def _time_of(answer):
+def _time_of(answer: object) -> float:
     """Read what a solver returns as a time, us: NaN for None; raises ValueError for no time."""
     if answer is None:
         return np.nan
-    if isinstance(answer, Real) and not isinstance(answer, bool) and not answer < 0:
-        return float(answer)
-    needs = (
-        "return the time of the snap (us), None without a snap, or inf for a run you do not trust"
-    )
-    raise ValueError(f"model.laws: solver: returns {answer!r}; {needs}")
+    numbers = int | float | np.integer | np.floating
+    if isinstance(answer, bool) or not isinstance(answer, numbers) or answer < 0:
+        needs = "return the time of the snap (us), None for no snap, or inf for a run not to trust"
+        raise ValueError(f"model.laws: solver: returns {answer!r}; {needs}")
+    return float(answer)
