@@ -13,12 +13,11 @@ from snapmap.config.study import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
-from snapmap.sweeps import plan
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.slabs import slab_name, write_slab
-from snapmap.workflow.plan import make_plan
+from snapmap.workflow.plan import JOB_SECONDS, make_plan
 
 STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
 
@@ -103,7 +102,7 @@ def test_every_cell_is_in_one_slab_that_is_no_longer_than_a_job(N, f0):
     expected = itertools.product(*whole.axes.values())
     assert sorted(cells(slabs)) == sorted(expected)
     for slab in slabs:
-        assert seconds(slab) <= plan.JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
+        assert seconds(slab) <= JOB_SECONDS * (1 + 1e-9) or len(cells([slab])) == 1
 
 
 @pytest.mark.parametrize(

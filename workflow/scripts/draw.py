@@ -9,6 +9,8 @@ from functools import partial
 from multiprocessing import get_context
 
 gc.set_threshold(200_000)  # imports and figures are many objects, and hardly any is garbage
+if __name__ == "__main__":
+    sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
 # ruff: noqa: E402
 
 import xarray as xr
@@ -121,6 +123,5 @@ def function_of(rule):
 
 
 if __name__ == "__main__":
-    sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
     gc.freeze()  # what was imported stays
     run_rule(function_of(snakemake.rule), snakemake)
