@@ -157,10 +157,14 @@ def survey(
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first, (rows,), without a bar; NaN for none."""
     bound = lower_bound(models, rows, settings)
+    alone = models._replace(others=(), judges=())  # which are for bars
     # No island above the first counts.
-    changes = find_changes(models, rows, settings, tolerance, 0.0, bound)
-    edges = refine_edges(models.ragged, rows, settings, tolerance, changes.edges, changes.ragged)
-    return stretches(edges, changes.is_open)[0]
+    changes = find_changes(alone, rows, settings, tolerance, 0.0, bound)
+    edges = changes.edges.take(changes.edges.rising)
+    first, _ = outermost(edges.row, edges.high, bound.size)
+    edges = edges.take(edges.high == first[edges.row])
+    edges = refine_edges(models.ragged, rows, settings, tolerance, edges, changes.ragged)
+    return outermost(edges.row, edges.high, bound.size)[0]
 
 
 def _followed(models, rows, settings, tolerance, highest):
