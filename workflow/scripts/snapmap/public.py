@@ -102,10 +102,10 @@ def _doubts(values):
     for single in named.values():
         alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))
-        if C is None or f0 is None or laws:  # of a law's C the unit is its own
+        if C is None or f0 is None:
             yield from unusual(alone)
         else:
-            ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
-            yield from implausible(alone, *ascending)
+            C, f0 = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
+            yield from implausible(alone, None if laws else C, f0)
         if "scatters" in values:
             yield from wide(Plan(single, values["scatters"], values.get("together", ())))
