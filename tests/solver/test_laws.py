@@ -182,7 +182,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     [
         ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
         ("x = 1", "no law; write a function named damping or contact or force or solver"),
-        ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
+        ("def contact(k, s): return 'a'", "contact: returns 'a'; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
         ("damping = 1", "damping: is not a function"),
         ("solver = 1", "solver: is not a function"),

@@ -90,8 +90,10 @@ def _hint(function, key, known):
     if key in VALUES:
         return f" of {function}; vary the device"
     if key in OF_MODEL:
-        return " of this model; write another model"
-    near = get_close_matches(key, known, 1, 0.8)
+        models = " or ".join(name for name, options in OPTIONS.items() if key in options)
+        return f" of this model; write the model {models}"
+    near = get_close_matches(key, known, 3, 0.8)
+    near.sort(key=lambda word: sorted(word) != sorted(key))  # two letters that changed places
     return f"; did you mean {near[0]}?" if near else f" of {function}"
 
 
