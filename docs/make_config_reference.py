@@ -89,10 +89,9 @@ a YAML file of one mapping, such as [the handout's](../config/handout.yaml) or
 
 A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. A number is
 above 0 unless its line or example says otherwise; in µm, ng, µs and Hz it is from {least:g} to
-{most:g}.
-`snapmap check FILE`, or a run before its first job, names each mistake in one line. Examples are in
-brackets. An axis is a list or a [range](#an-axis-given-as-a-range). Files are in the
-study's folder. Axes and tolerances vary `C` and `damping`, not a `quality_factor`.
+{most:g}. `snapmap check FILE` names each mistake in one line. Examples are in brackets. An axis is
+a list or a [range](#an-axis-given-as-a-range). Files are in the study's folder. Axes and tolerances
+vary `C` and `damping`, not a `quality_factor`.
 
 {sections}
 

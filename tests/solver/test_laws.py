@@ -12,7 +12,9 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.applications import gather
+from snapmap.applications.page.figure import OF_LAWS, page
 from snapmap.beam.elements import hermite_elements
+from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
 from snapmap.device.device import batch
@@ -180,7 +182,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     [
         ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
         ("x = 1", "no law; write a function named damping or contact or force or solver"),
-        ("def contact(k, s): return 'a'", "contact: returns a str; return a float"),
+        ("def contact(k, s): return 'a'", "contact: returns 'a'; return a float"),
         ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
         ("damping = 1", "damping: is not a function"),
         ("solver = 1", "solver: is not a function"),
@@ -226,6 +228,9 @@ def test_a_config_names_a_file_of_laws(root, tmp_path, monkeypatch):
     law.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
     study = load_config(config)
     assert gather("outputs", study)["statics"]  # of the beam, which the law leaves as it is
+    assert "not known under model.laws" in descriptions(study)[0]
+    thick = {"sweep": config["sweep"] | {"C": ["30000 uN*us/um"]}}
+    assert not any("critical" in line for line in doubts(load_config(config | thick)))
     law.write_text(law.read_text() + "\n")
     edited = load_config(config)
     assert study.inputs() != edited.inputs()
@@ -274,6 +279,13 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
     assert found.N_first.values == pytest.approx(909.0, rel=1e-4)
     assert (found.N_first - 900 < found.N_error).all() and (found.N_error < 20).all()
     assert all(np.isnan(found[key]).all() for key in ("N_bound", "N_static", "N_slow", "dwell"))
+
+
+def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
+    axes, model = ([900.0], [F0], [3e4]), {"model": lambda cell, step: None}
+    cube, edge = snapmap.sweep(handout, *axes, **model), snapmap.threshold(handout, *axes[1:])
+    text = page(cube, edge, 0.0)
+    assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text
 
 
 def test_what_a_solver_of_ones_own_does_not_tell_is_refused(handout):

@@ -7,7 +7,7 @@ import pytest
 
 import snapmap
 from snapmap.applications.spectra.psd import Spectrum
-from snapmap.applications.spectra.vibration import fit_rates
+from snapmap.applications.spectra.vibration import _level, fit_rates
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]
 
@@ -88,3 +88,9 @@ def test_vibration_tells_rate_bounds_and_level(handout):
     assert (calm.snaps == 0).all()
     assert np.allclose(calm.rate_high, -math.log(0.025) / (4 * 0.2))
     assert np.allclose(calm.level, high.level, rtol=0.1)
+
+
+def test_a_single_record_that_snaps_at_the_top_alone_does_not_determine_the_level():
+    ladder = {rung: np.array([[float(rung == 2)], [0.0], [1.0]]) for rung in range(3)}
+    level, low, high = _level(ladder, 0, 0.01)
+    assert math.isnan(level) and (low, high) == (0.0, math.inf)

@@ -90,8 +90,10 @@ def _hint(function, key, known):
     if key in VALUES:
         return f" of {function}; vary the device"
     if key in OF_MODEL:
-        return " of this model; write another model"
-    near = get_close_matches(key, known, 1, 0.8)
+        models = " or ".join(name for name, options in OPTIONS.items() if key in options)
+        return f" of this model; write the model {models}"
+    near = get_close_matches(key, known, 3, 0.8)
+    near.sort(key=lambda word: sorted(word) != sorted(key))  # two letters that changed places
     return f"; did you mean {near[0]}?" if near else f" of {function}"
 
 
@@ -102,10 +104,10 @@ def _doubts(values):
     for single in named.values():
         alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))
-        if C is None or f0 is None or laws:  # of a law's C the unit is its own
+        if C is None or f0 is None:
             yield from unusual(alone)
         else:
-            ascending = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
-            yield from implausible(alone, *ascending)
+            C, f0 = (np.sort(np.atleast_1d(np.asarray(v, float))) for v in (C, f0))
+            yield from implausible(alone, None if laws else C, f0)
         if "scatters" in values:
             yield from wide(Plan(single, values["scatters"], values.get("together", ())))

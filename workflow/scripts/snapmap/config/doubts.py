@@ -23,7 +23,7 @@ def descriptions(study: Study) -> list[str]:
     lines = list(study.measured.values())
     for name, device in study.devices().items():
         beam, words = device.beam, []
-        for part, frequency, quality in vibrations(device, study.axes["C"]):
+        for part, frequency, quality in vibrations(device, dampers(study)):
             words.append(f"{part} {frequency}, quality factor {quality}")
         if device.is_alone:
             words.append("no mass")
@@ -35,13 +35,18 @@ def descriptions(study: Study) -> list[str]:
     return lines
 
 
+def dampers(study: Study) -> np.ndarray | None:
+    """Give C, uN us/um; None where a user's own laws decide its unit."""
+    return None if "laws" in study.model else study.axes["C"]
+
+
 def doubts(study: Study) -> list[str]:
     """Lines on what is hardly meant, and on what devices and recorded shocks may leave out.
 
     study: a `Config`
     """
     axes, (first, *_) = study.axes, study.devices().values()
-    lines = implausible(study.grid.device, axes["C"], axes["f0"])
+    lines = implausible(study.grid.device, dampers(study), axes["f0"])
     for name, device in study.devices().items():
         remarks, force = [tilting(device.beam), stopped(device)], device.force
         if force:

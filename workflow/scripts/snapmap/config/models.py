@@ -122,7 +122,7 @@ AXES = [name for name in QUANTITIES if axis_behind(name) in COORDINATES]
 
 
 def _axis_name(what, *but):
-    need = f"the name of an axis{' but '.join(['', *but])}"
+    need = f"the name of an axis{' other than '.join(['', *but])}"
     return argument(Argument(need, lambda value: value in AXES and value not in but), what)
 
 

@@ -56,15 +56,19 @@ def wide(plan: Plan) -> list[str]:
     return lines
 
 
-def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
-    """Lines on what is hardly meant, of a batch of devices; C: uN us/um, f0: Hz, ascending."""
+def implausible(device: Device, C: np.ndarray | None, f0: np.ndarray) -> list[str]:
+    """Lines on what is hardly meant, of a batch of devices.
+
+    C: uN us/um, ascending; None under a user's own laws; f0: Hz, ascending
+    """
     beam, lowest = device.beam, device.own_frequency
     mass = np.where(device.is_alone, lowest, device.mass_frequency)
     steepest = np.max(beam.rise / beam.span)
     slender = beam.span / beam.thickness
     widest, thinnest = np.max(beam.depth / beam.span), np.min(beam.depth / beam.thickness)
     critical = np.min(2 * device.mass * mass)
-    damped = C[-1] / critical if critical else 0.0
+    highest = 0.0 if C is None else C[-1]
+    damped = highest / critical if critical else 0.0
     lasts = f0 * (2e-6 * np.pi)
     first, last = np.min(lowest), np.max(np.maximum(mass, beam.bending_frequency))
     lines = {
@@ -79,7 +83,7 @@ def implausible(device: Device, C: np.ndarray, f0: np.ndarray) -> list[str]:
         "wrong?": widest > SLAB[1],
         f"depth/thickness = {plain(thinnest, 3)}: beams have more than {SLAB[0]:g}; is a unit "
         "wrong?": thinnest < SLAB[0],
-        f"C = {plain(C[-1])} uN*us/um is {plain(damped, 3)} times critical damping; is its "
+        f"C = {plain(highest)} uN*us/um is {plain(damped, 3)} times critical damping; is its "
         "unit right?": damped > CREEPING,
         f"f0 up to {plain(f0[-1])} Hz: every pulse lasts over {FAR:g} periods of beam and mass, so "
         "it acts as a constant acceleration": lasts[-1] * FAR < first,

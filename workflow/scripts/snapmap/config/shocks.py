@@ -60,7 +60,7 @@ class PulseSection(Section):
     """The shock: a shape, or a file, train or drop."""
 
     known_as = "pulse"
-    shape: several_shapes("or a list of these, an axis", f"`{VERSED_SINE}`")
+    shape: several_shapes("or a list of these, each once, an axis", f"`{VERSED_SINE}`")
     rise: SHARE
     fall: SHARE
     file: path("a recorded shock in the study's folder, CSV", out="`shape`")

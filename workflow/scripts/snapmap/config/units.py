@@ -62,12 +62,19 @@ def read(value: object, kind: str) -> float:
     return number
 
 
+FEW = 4
+"""Items of a list that a message shows at most."""
+
+
 def show(value: object, longest: int = _LONGEST) -> str:
     """Quote a value in a message, in one short line; text longer than that is cut."""
     if isinstance(value, Mapping):
-        return "a mapping"
+        keys = f" of {', '.join(map(show, value))}" if 0 < len(value) <= FEW else ""
+        return f"a mapping{keys}"
     if isinstance(value, list | tuple):
-        return "a list" if value else "an empty list"
+        if any(isinstance(item, Mapping | list | tuple) for item in value) or len(value) > FEW:
+            return "a list"
+        return f"the list {', '.join(map(show, value))}" if value else "an empty list"
     if value is None or isinstance(value, bool):
         return {None: "an empty value", True: "true", False: "false"}[value]
     text = repr(value)

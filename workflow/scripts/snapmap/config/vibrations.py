@@ -9,20 +9,25 @@ from ..device.device import Device
 from ..device.quantities import plain
 
 
-def vibrations(device: Device, C: Sequence[float]) -> list[list[str]]:
+def vibrations(device: Device, C: Sequence[float] | None) -> list[list[str]]:
     """Give name, frequency and quality factor of the beam, and of the mass if there is one.
 
-    device: a single one; C: of the mass, uN us/um
+    device: a single one; C: of the mass, uN us/um; None under a user's own laws
     """
     omega, damping = float(natural_frequency(device.beam)), float(device.beam.damping)
     rows = [["beam", _frequency(omega), _quality(omega, damping)]]
     if not device.is_alone:
-        omega, mass = float(device.mass_frequency), device.mass
-        ends = dict.fromkeys((np.min(C), np.max(C)))
-        rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
-        words = f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * float(mass) * omega)})"
+        omega = float(device.mass_frequency)
+        words = "not known under model.laws" if C is None else _damped(omega, float(device.mass), C)
         rows.append(["mass", _frequency(omega), words])
     return rows
+
+
+def _damped(omega, mass, C):
+    """Write the quality factor of the mass at both ends of C."""
+    ends = dict.fromkeys((np.min(C), np.max(C)))
+    rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
+    return f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * mass * omega)})"
 
 
 def _frequency(omega):

@@ -54,7 +54,9 @@ def read_places(view: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]
     drawn = {key: axis_behind(axis) for key, axis in view.items() if key != "at"}
     for key, axis in drawn.items():
         if axis not in axes:
-            raise ValueError(f".{key}: {view[key]} is not an axis of this sweep")
+            raise ValueError(
+                f".{key}: {view[key]} is not an axis of this sweep; write {' or '.join(axes)}"
+            )
     if len({*drawn.values()}) < len(drawn):
         raise ValueError(f"{' and '.join(drawn)} are the same axis; write two axes")
     at = {}

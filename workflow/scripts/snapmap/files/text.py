@@ -43,6 +43,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
     Short rows are filled up with dashes.
     """
-    rule = [":--"] + ["--:"] * (len(head) - 1)
+    rule = f"|:--{'|--:' * (len(head) - 1)}|\n"
     filled = [[*row, *[DASH] * (len(head) - len(row))] for row in rows]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in (head, rule, *filled))
+    first, *others = (f"| {' | '.join(cells)} |\n" for cells in (head, *filled))
+    return "".join((first, rule, *others))

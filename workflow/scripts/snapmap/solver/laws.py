@@ -118,7 +118,7 @@ def _compiled(key, law):
             f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
         ) from None
     if not isinstance(value, float):
-        raise ValueError(f"{name}: returns a {type(value).__name__}; return a float")
+        raise ValueError(f"{name}: returns {value!r}; return a float")
     if key == "damping" and any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0)):
         raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
     return law

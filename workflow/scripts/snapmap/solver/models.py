@@ -298,7 +298,10 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
     """Raise ValueError, one line, for a model or an option that cannot be."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
-        raise ValueError("device.contact: hard excludes the reference model; write elements")
+        raise ValueError(
+            "device.contact: hard excludes the reference model; write a stiffness such as 40 N/m, "
+            "or the model elements"
+        )
     if laws := laws_of(options):
         for key, refused in {
             "model.elements:": laws.force and "elements" in options,

@@ -17,6 +17,8 @@ PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if p
 CONFIG = "config.yaml"
 START = 2.5
 """Core time of a job's start and loading, s, as measured."""
+SEARCH = 750
+"""Runs of a clean threshold, about: 684 to 825 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -68,6 +70,7 @@ def check(config: Path) -> None:
         from ..config.study import load_config
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
+    from ..solver.laws import laws_of
     from .plan import SEEN, make_plan
 
     study = load_config(read_document(config))
@@ -77,10 +80,25 @@ def check(config: Path) -> None:
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
+    print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
+    laws = laws_of(study.model)
+    if laws and laws.solver:
+        print(_runs(study))
+        return
     costs = {"cells": " to ".join(spoken(times * plan.seconds) for times in SEEN)}
     costs |= {what: spoken(START + seconds) for what, seconds in _costs(study).items()}
-    print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
     print(f"core time, about: {', '.join(f'{what} {time}' for what, time in costs.items())}")
+
+
+def _runs(study):
+    """Count the runs of a user's own solver, whose time nobody knows."""
+    cells = prod(study.grid.shape)
+    rows = cells // study.grid.axes["N"].size
+    runs = cells * (1 + study.settings.repeat)
+    return (
+        f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
+        "more where they are ragged"
+    )
 
 
 def _costs(study):

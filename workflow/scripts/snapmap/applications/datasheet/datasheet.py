@@ -114,7 +114,7 @@ def _statics(device, verdicts, damper):
     yield ["slow shock that snaps it", f"above {N:.5g} for longer than a dwell time"]
     for C in sorted({row["C"] for row in verdicts}):
         dwell = 2 / growth_rate(device, C * size)
-        text = f"{dwell:.4g} us" if np.isfinite(dwell) else "not known: no corner in its path"
+        text = f"{dwell:.4g} us" if np.isfinite(dwell) else "none: its law does not hold here"
         yield [f"dwell time at C = {C:g} {unit}, of slow shocks to first order", text]
 
 

@@ -324,7 +324,7 @@ async function followChoice(k) {
   run = null;
   room.hidden = isAbsent(k) || !pulseAt().pieces;
   if (isAbsent(k)) said.textContent = "";
-  if (!isAbsent(k) && room.hidden) said.textContent = "This shock has too many samples to be followed here; histories in the config follow it.";
+  if (!isAbsent(k) && room.hidden) said.textContent = study.unfollowed;
   if (room.hidden) return;
   const [N, f0, C] = SHOCK.map(valueOf), shock = { N, f0: f0 * 1e-6, C }, [form, pulse] = [formAt(), pulseAt()];
   const dt = stepOf(form, pulse, shock, study.limits);

@@ -51,6 +51,9 @@ GREY = "#999999"
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 EDGES = ("N_first", "N_error", "N_always")
+TOO_LONG = "This shock has too many samples to be followed here; histories in the config follow it."
+OF_LAWS = "This page does not know the laws of the study, so it follows no shock."
+"""Why the page does not follow a shock."""
 TITLE = "Which shock trips the sensor?"
 """Of a study that has none."""
 
@@ -76,6 +79,9 @@ def page(
     named = document.get("devices", {"": document.get("device", {})})
     devices = {html.escape(name): device for name, device in named.items()}
     x, y = _plane(cells)
+    has_laws = "laws" in document["model"]
+    dampers = None if has_laws else cells.C.values
+    of_model = ("name", "laws") if has_laws else ("name",)
     kind, start = _kind_of(devices), SECOND if style.starts(document) else FIRST
     data = {
         "axes": [_axis(cells, key) for key in dims],
@@ -85,13 +91,14 @@ def page(
         "horizon": float(horizon),
         "shapes": STARTS if start == FIRST else STARTS[::-1],
         "devices": {name: list(_rows(device)) for name, device in devices.items()},
-        "vibrations": {name: _vibration(devices[name], cells.C.values) for name in devices},
+        "vibrations": {name: _vibration(devices[name], dampers) for name in devices},
         "varied": [(key, _named(QUANTITIES[key])) for key in dims if key in VALUES],
         "views": _views(cells),
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
         "required": [(html.escape(name), *place) for name, *place in required],
+        "unfollowed": OF_LAWS if has_laws else TOO_LONG,
         "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
         **_simulation(cells, {name: read_device(device) for name, device in named.items()}, pulse),
     }
@@ -108,7 +115,8 @@ def page(
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code="\n".join(map(_text, ("simulate.js", "explore.js"))),
         thinned=f"Shown are {thinned} of the cube. " if kept else "",
-        model=html.escape(document["model"]["name"]),
+        unfollowed=" hidden" if has_laws else "",
+        model=html.escape(" with ".join(str(document["model"][key]) for key in of_model)),
         guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
         version=html.escape(cube.attrs["code_version"]),
     )
@@ -122,6 +130,8 @@ def _simulation(cells, devices, pulse):
     study = Study(device=devices.get("", devices), shocks=shocks, skip=True).part(names)
     grid, start = study.set_out(axes), style.starts(json.loads(cells.attrs["config"]))
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
+    if "laws" in json.loads(cells.attrs["config"])["model"]:
+        known = [{**one, "pieces": None} for one in known]
     return {
         "side": -1 if start else 1,
         "names": NUMBERS,
@@ -210,7 +220,7 @@ def _rows(device):
         yield quantity.name, _named(quantity), html.escape(quantity.used(text, typeset=True))
 
 
-def _vibration(device: Mapping, C: Sequence[float]):
+def _vibration(device: Mapping, C: Sequence[float] | None):
     """Rows of natural vibrations, of beam and mass: name, frequency and quality factor."""
     return [
         [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]

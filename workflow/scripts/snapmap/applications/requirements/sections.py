@@ -147,7 +147,7 @@ def read_requirements(
 
     names = [section.name for section in sections]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise ValueError(f"{show(twice)} comes twice; write another")
+        raise ValueError(f"{show(twice)} comes twice; write another name")
     requirements = []
     for place, section in enumerate(sections):
         try:

@@ -64,8 +64,9 @@ def vibration(
     reach: probability of a snap within the duration at the returned level
     options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
     The Dataset holds, over (..., C), `rate` and `probability` under this spectrum, with Poisson's
-    bounds, and `level` (g rms) by Rice's law, with bounds of inf where the runs do not determine
-    it. The attribute `rms` is that of the spectrum (g).
+    bounds, and `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it
+    is NaN, from 0 to inf; if none snaps at any level, inf. The attribute `rms` is that of the
+    spectrum (g).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
@@ -178,7 +179,7 @@ def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[f
     near = [(RUNG ** (-2 * rung), *counts[rung]) for rung in counts if rung < first + RUNGS]
     a, b, variance = fit_rates(*zip(*near, strict=True))
     if not b > 0:
-        return np.nan, np.nan, np.nan
+        return np.nan, 0.0, np.inf
     reached = (a - math.log(needed)) / b
     spread = math.sqrt(variance(reached)) / b
     bounds = reached, reached + NORMAL * spread, reached - NORMAL * spread

@@ -30,8 +30,7 @@ def _scatter(name, kind, example=""):
         try:
             return read(value, kind)
         except ValueError as error:
-            share = f", or a share such as '{value} %'" if isinstance(value, int | float) else ""
-            raise ValueError(f"{error}{share}") from None
+            raise ValueError(f"{error}, or a share such as '5 %'") from None
 
     def convert(value):
         if not isinstance(value, Mapping):
