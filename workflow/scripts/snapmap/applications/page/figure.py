@@ -131,7 +131,7 @@ def _simulation(cells, devices, pulse):
     grid, start = study.set_out(axes), style.starts(json.loads(cells.attrs["config"]))
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     if "laws" in json.loads(cells.attrs["config"])["model"]:
-        known = [{**one, "pieces": None} for one in known]
+        known = [{**shock, "pieces": None} for shock in known]
     return {
         "side": -1 if start else 1,
         "names": NUMBERS,
