@@ -1,49 +1,42 @@
 """The SIMD kernel against the plain loop, against itself, and past its limits."""
 
-import dataclasses
 import re
 
 import numpy as np
 import pytest
+from varied import in_steps, varied
 
 import snapmap
 from snapmap.solver import simd_loop
-from snapmap.solver.cells import no_observations, to_cells
+from snapmap.solver.cells import no_observations, to_cells, to_rows
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, NEVER
 from snapmap.solver.plain_loop import System, follow
 from snapmap.solver.settings import Settings
+from snapmap.thresholds.search import lowest_snap
 
 
-def threshold(device, f0, C=0.025, horizon=300.0, low=700.0, high=1100.0, **model):
-    """Lowest N that snaps, by refining a grid of one lane call at a time, to 1e-6."""
-    while high - low > 1e-6 * high:
-        N = np.linspace(low, high, 17)
-        cube = snapmap.sweep(device, N=N, f0=[f0], C=[C], horizon=horizon, until="snap", **model)
-        first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
-        low, high = N[first - 1], N[first]
-    return high
+def threshold(device, name, C=0.025, step=None, **size):
+    model, settings = build_model(device, name, **size), Settings(300.0, until="snap")
+    model = in_steps(model, step) if step else model
+    return lowest_snap(model, to_rows(0, 1500.0, C), (700.0, 1100.0), settings, 1e-6).item()
 
 
-def test_the_handouts_elements_have_the_threshold_of_the_reference(handout, fix_step):
+def test_the_handouts_elements_have_the_threshold_of_the_reference(handout):
     """In small steps: two schemes of one equation."""
-    fix_step(0.2)
-    found = threshold(handout, 1500.0, C=25.0, model="elements", elements=3)
-    fix_step(0.4)
-    reference = threshold(handout, 1500.0, C=25.0, model="reference", elements=3)
-    assert found == pytest.approx(reference, rel=1e-5)
+    reference = threshold(handout, "reference", 25.0, step=0.4, elements=3)
+    fast = threshold(handout, "elements", 25.0, step=0.2, elements=3)
+    assert fast == pytest.approx(reference, rel=1e-5)
 
 
-def test_hard_contact_is_the_limit_of_a_rising_penalty(handout, fix_step):
-    asked = {"model": "elements", "elements": 20, "modes": 9}
-    hard, *soft = (dataclasses.replace(handout, contact=k) for k in (np.inf, 40.0, 400.0, 4000.0))
-    penalties = [threshold(one, 1500.0, **asked) for one in soft]
-    fix_step(0.25)
-    limit = threshold(hard, 1500.0, model="cosines", modes=9)
-    assert threshold(hard, 1500.0, **asked) == pytest.approx(limit, rel=2e-4)
-    shifts = [penalty / limit - 1 for penalty in penalties]
+def test_hard_contact_is_the_limit_of_a_rising_penalty(handout):
+    size = {"elements": 20, "modes": 9}
+    hard, *soft = (varied(handout, contact=k) for k in (np.inf, 40.0, 400.0, 4000.0))
+    limit = threshold(hard, "cosines", modes=9, step=0.25)
+    assert threshold(hard, "elements", **size, step=0.25) == pytest.approx(limit, rel=2e-4)
+    shifts = [threshold(device, "elements", **size) / limit - 1 for device in soft]
     assert shifts[0] == pytest.approx(0.08, abs=0.005)
     assert shifts[0] > 8 * shifts[1] > 0 and shifts[1] > 5 * shifts[2] > 0
 
@@ -53,11 +46,10 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     model = build_model(handout, "cosines", modes=3)
     N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
     cells = to_cells(handout, 0, N, f0, 0.025, 300.0)
-    together = model.follow(cells, Settings())[:6]
-    order = rng.permutation(N.size)
+    together, order = model.follow(cells, Settings())[:6], rng.permutation(N.size)
     shuffled = model.follow(cells.take(order), Settings(threads=2))[:6]
-    one = model.follow(cells.take(slice(1)), Settings())[:6]
-    for whole, mixed, single in zip(together, shuffled, one, strict=True):
+    first = model.follow(cells.take(slice(1)), Settings())[:6]
+    for whole, mixed, single in zip(together, shuffled, first, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)
 
