@@ -1,4 +1,4 @@
-"""Residual stress, a gap, and beams that are free to tilt."""
+"""Equilibria of beams as made: with stress, free to tilt, and the pass between them."""
 
 from dataclasses import replace
 
@@ -11,7 +11,8 @@ from snapmap.beam.basis import Basis
 from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
-from snapmap.beam.modal import reduce_to_modes, settled
+from snapmap.beam.modal import reduce_to_modes, settled, unit_modes
+from snapmap.numerics.linalg import eigh
 
 STRESSES = (-40.0, -5.0, 5.0, 60.0)
 
@@ -40,21 +41,19 @@ def test_stresses_at_which_things_change(handout):
     """The flat beam buckles at 5.483 MPa; state 2 goes at 69.45, and stays if free from -2.419."""
     beam = handout.beam
     load = 4 * np.pi**2 * beam.bending_stiffness / beam.span**2
-    assert beam.buckling_stress == pytest.approx(load / beam.area)
-    assert beam.buckling_stress == pytest.approx(5.483, rel=1e-4)
+    assert beam.buckling_stress == pytest.approx(load / beam.area) == pytest.approx(5.483, rel=1e-4)
 
     def force(stress):
         """The axial force in state 2 over the first load."""
         return 1 - 1 / one_mode_equilibria(replace(beam, residual_stress=stress))[0]
 
-    at_end = force(beam.most_stress * (1 - 1e-9))
-    assert at_end == pytest.approx(4, rel=1e-7)
+    assert force(beam.most_stress * (1 - 1e-9)) == pytest.approx(4, rel=1e-7)
     assert beam.most_stress == pytest.approx(69.45, rel=1e-4)
     tilt = (antisymmetric_loads(1)[0] / (2 * np.pi)) ** 2
     stays = brentq(lambda stress: force(stress) - tilt, -5, 0)
     assert stays == pytest.approx(-2.419, rel=1e-3)
-    for stress, expected in ((1.001 * stays, True), (0.999 * stays, False)):
-        assert replace(beam, residual_stress=stress).stays_if_free == expected
+    assert replace(beam, residual_stress=1.001 * stays).stays_if_free
+    assert not replace(beam, residual_stress=0.999 * stays).stays_if_free
     with pytest.raises(ValueError, match=r"69\.453 MPa"):
         replace(beam, residual_stress=70.0).require_second_shape()
 
@@ -72,13 +71,12 @@ def test_antisymmetric_shapes_are_clamped_and_orthogonal():
     assert abs(basis.tilt[6] * shapes[0]).max() == pytest.approx(1, rel=1e-8)
 
 
-def test_elements_have_the_antisymmetric_frequencies_and_shape():
-    fine, exact = hermite_elements(20, free=True), buckling_shapes(20)
-    made = snapmap.load_device("config/config.yaml").beam
-    low = [reduce_to_modes(made, basis, 8).stiffness for basis in (fine, exact)]
+def test_elements_have_the_antisymmetric_frequencies_and_shape(handout):
+    bases = hermite_elements(20, free=True), buckling_shapes(20)
+    low = [reduce_to_modes(handout.beam, basis, 8).stiffness for basis in bases]
     np.testing.assert_allclose(*low, rtol=4e-4)
-    energy = [basis.tilt @ basis.bending @ basis.tilt for basis in (fine, exact)]
-    assert energy[0] == pytest.approx(energy[1], rel=1e-4)
+    energies = [basis.tilt @ basis.bending @ basis.tilt for basis in bases]
+    np.testing.assert_allclose(*energies, rtol=1e-4)
 
 
 @pytest.mark.parametrize("basis", [symmetric_cosines(4), hermite_elements(4)])
@@ -105,13 +103,11 @@ def test_a_free_beam_with_stress_starts_from_its_own_midpoint(handout):
         axial = stressed.residual_stress * stressed.area * stretch / 2
         return u @ made.bending @ u / 2 + axial + stressed.axial_stiffness * stretch**2 / 4
 
-    found = minimize(energy, made.start, method="BFGS", options={"gtol": 1e-9})
-    rest = made.midpoint @ found.x
+    rest = made.midpoint @ minimize(energy, made.start, method="BFGS", options={"gtol": 1e-9}).x
     assert rest == pytest.approx(10.3461, abs=1e-4) and abs(rest - stressed.height) > 0.02
     assert find_barrier(stressed, buckling_shapes(8)).first == pytest.approx(rest, abs=1e-5)
-    run = snapmap.simulate(
-        replace(handout, beam=stressed), 1, 1500, 25, model="cosines", modes=3, horizon=0
-    )
+    device = replace(handout, beam=stressed)
+    run = snapmap.simulate(device, 1, 1500, 25, "cosines", modes=3, horizon=0)
     assert run.w_mid[0].item() == run.z_mass[0].item() == pytest.approx(rest, abs=1e-4)
 
 
@@ -125,13 +121,82 @@ def test_a_single_mode_has_the_pass_of_the_cubic(handout):
 
 def test_tilting_lowers_the_barrier_and_may_end_it(handout):
     guided = replace(handout.beam, thickness=1.2)
-    free = replace(guided, free=1.0, imperfection=1e-6)
-    basis, energies = buckling_shapes(4), []
-    for imperfection in (1e-6, 0.003, 0.005):
-        energies.append(find_barrier(replace(free, imperfection=imperfection), basis).energy)
+
+    def barrier(imperfection, thickness=1.2):
+        made = {"free": 1.0, "imperfection": imperfection, "thickness": thickness}
+        return find_barrier(replace(guided, **made), buckling_shapes(4))
+
+    energies = [barrier(imperfection).energy for imperfection in (1e-6, 0.003, 0.005, 2.0)]
     whole = find_barrier(guided, symmetric_cosines(4)).energy
-    assert whole > energies[0] > energies[1] > energies[2] > 0
-    w2 = guided.second_equilibrium
-    assert find_barrier(free, basis).second == pytest.approx(w2, rel=1e-9)
-    assert find_barrier(replace(free, thickness=2.0), basis).energy == 0
-    assert find_barrier(replace(free, imperfection=2.0), basis).energy == 0
+    assert whole > energies[0] > energies[1] > energies[2] > energies[3] == 0
+    assert barrier(1e-6).second == pytest.approx(guided.second_equilibrium, rel=1e-9)
+    assert barrier(1e-6, thickness=2.0).energy == 0
+
+
+BASES = {
+    "1 cosine": (symmetric_cosines(1), None),
+    "3 cosines": (symmetric_cosines(3), None),
+    "3 elements": (hermite_elements(3), None),
+    "5 elements, 7 modes": (hermite_elements(5), 7),
+    "20 elements, 4 modes": (hermite_elements(20), 4),
+    "8 cosines, 4 modes": (symmetric_cosines(8), 4),
+}
+RATIOS = np.unique([*np.geomspace(2.32, 50, 15), *np.linspace(2.44, 2.5, 11)])
+"""Mode 2 takes part from sqrt 6 = 2.4495 on, near which Newton's method converges slowly."""
+
+
+def branches(modal, basis, modes):
+    """Starts of Newton's method: every root of the first mode, and every mode at its own load."""
+    loads, shapes = eigh(np.diag(modal.stiffness), modal.geometric)
+    s, axial = shapes.T @ modal.slope_start, modal.axial
+    for q in np.roots([axial, 0.0, loads[0] - axial * s[0] ** 2, -loads[0] * s[0]]):
+        if abs(q.imag) < 1e-9:
+            for beside in (-0.1, 0.0, 0.1):
+                yield shapes[:, 0] * (q.real - s[0]) + beside * shapes[:, -loads.size + 1]
+    for j in range(1, loads.size):
+        others = np.arange(loads.size) != j
+        c = np.zeros(loads.size)
+        c[others] = loads[j] * s[others] / (loads[others] - loads[j])
+        rest = loads[j] / axial + np.sum(c * (c + 2 * s))
+        for root in np.roots([1.0, 2 * s[j], rest]):
+            if abs(root.imag) < 1e-9:
+                c[j] = root.real
+                yield shapes @ c
+
+
+def forces(modal, p):
+    """The force that p asks for, its derivative, and the energy."""
+    slope = modal.geometric @ p + modal.slope_start
+    axial_force = -modal.axial * p @ (slope + modal.slope_start)
+    tangent = np.diag(modal.stiffness) - axial_force * modal.geometric
+    tangent += 2 * modal.axial * np.outer(slope, slope)
+    energy = p @ (modal.stiffness * p) / 2 + axial_force**2 / (4 * modal.axial)
+    return modal.stiffness * p - axial_force * slope, tangent, energy
+
+
+def lowest_pass(modal, basis, modes):
+    """Energy and midpoint of the lowest equilibrium that is no minimum; 0 and 0 without one."""
+    passes = [(np.inf, 0.0)]
+    for p in branches(modal, basis, modes):
+        for _ in range(50):
+            force, tangent, _ = forces(modal, p)
+            p = p - np.linalg.solve(tangent, force)
+        force, tangent, energy = forces(modal, p)
+        rests = np.linalg.norm(force) < 1e-9 * np.linalg.norm(modal.stiffness * p)
+        if rests and np.linalg.eigvalsh(tangent)[0] < 0:
+            passes.append((energy, modal.midpoint @ p))
+    lowest = min(passes)
+    return lowest if np.isfinite(lowest[0]) else (0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_the_barrier_is_the_lowest_pass_of_all(handout, name):
+    basis, modes = BASES[name]
+    for Q in RATIOS:
+        beam = replace(handout.beam, thickness=handout.beam.rise / Q)
+        modal = unit_modes(basis, modes)._replace(axial=6 * beam.bistability**2)
+        energy, midpoint = lowest_pass(modal, basis, modes)
+        barrier = find_barrier(beam, basis, modes)
+        unit = beam.stiffness_unit * beam.rise**2
+        assert barrier.energy == pytest.approx(energy * unit, rel=1e-9, abs=1e-9 * unit), Q
+        assert barrier.midpoint == pytest.approx(midpoint * beam.rise, rel=1e-6), Q
