@@ -111,14 +111,6 @@ def test_a_free_beam_with_stress_starts_from_its_own_midpoint(handout):
     assert run.w_mid[0].item() == run.z_mass[0].item() == pytest.approx(rest, abs=1e-4)
 
 
-def test_a_single_mode_has_the_pass_of_the_cubic(handout):
-    beam = replace(handout.beam, residual_stress=12.0)
-    _, middle, start = one_mode_equilibria(beam)
-    barrier = find_barrier(beam, symmetric_cosines(1))
-    assert barrier.midpoint == pytest.approx((middle - start) * beam.rise, rel=1e-9)
-    assert barrier.energy > find_barrier(beam, symmetric_cosines(2)).energy > 0
-
-
 def test_tilting_lowers_the_barrier_and_may_end_it(handout):
     guided = replace(handout.beam, thickness=1.2)
 

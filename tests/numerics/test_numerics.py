@@ -95,5 +95,5 @@ def test_no_result_depends_on_its_company():
     together = *eigh(a), *eigh(a, mass), solve(a, mass[:, 0])
     for i in (0, 17, 39):
         alone = *eigh(a[i]), *eigh(a[i], mass[i]), solve(a[i], mass[i, 0])
-        for one, many in zip(alone, together, strict=True):
-            assert np.array_equal(one, many[i])
+        for single, many in zip(alone, together, strict=True):
+            assert np.array_equal(single, many[i])

@@ -41,16 +41,16 @@ def test_short_pulses_trip_by_their_velocity_change(handout):
     """Half sine : versed sine : sawtooth = pi/4 : 1 : 1; the impulsive limit is one."""
     f0 = 100 * handout.own_frequency / (2 * math.pi) * 1e6
     shapes = ["versed sine", "half sine", "sawtooth"]
-    found = snapmap.threshold(handout, [f0], [60.0], model="cosines", pulse=shapes).squeeze()
-    np.testing.assert_allclose(found.N_first / found.N_first[0], [1, math.pi / 4, 1], rtol=0.01)
-    np.testing.assert_allclose(found.velocity_change, found.velocity_change[0], rtol=0.01)
+    edges = snapmap.threshold(handout, [f0], [60.0], model="cosines", pulse=shapes).squeeze()
+    np.testing.assert_allclose(edges.N_first / edges.N_first[0], [1, math.pi / 4, 1], rtol=0.01)
+    np.testing.assert_allclose(edges.velocity_change, edges.velocity_change[0], rtol=0.01)
 
 
 def test_long_pulses_without_a_jump_trip_at_the_static_limit(handout):
     f0 = 0.01 * handout.own_frequency / (2 * math.pi) * 1e6
     asked = {"model": "cosines", "horizon": 300.0, "direction": "both", "pulse": [*SHAPES]}
-    found = snapmap.threshold(handout, [f0], [25.0], **asked).squeeze()
-    forward, back = (found.sel(direction=way) for way in ("+z", "-z"))
+    edges = snapmap.threshold(handout, [f0], [25.0], **asked).squeeze()
+    forward, back = (edges.sel(direction=way) for way in ("+z", "-z"))
     smooth = ["versed sine", "half sine", "trapezoid"]
     np.testing.assert_allclose(forward.N_first.sel(shape=smooth), forward.N_static[0], rtol=5e-3)
     np.testing.assert_allclose(forward.N_first, forward.N_static, rtol=0.02)
@@ -124,8 +124,8 @@ def test_a_record_that_changes_no_velocity_has_no_impulsive_limit(handout):
     swing = sampled(500 * x, np.sin(2 * np.pi * x), "swing")
     pull = sampled(500 * x, np.where(x < 0.5, -1, 0.1) * np.sin(2 * np.pi * x) ** 2, "pull")
     asked = {"C": [25.0], "model": "cosines", "pulse": [swing, pull]}
-    found = snapmap.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
-    swing, pull = (found.sel(shape=shape) for shape in ("swing", "pull"))
+    edges = snapmap.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
+    swing, pull = (edges.sel(shape=shape) for shape in ("swing", "pull"))
     assert swing.velocity_change.isnull() and pull.velocity_change > 0
     assert swing.N_first.notnull().all()
     assert pull.N_static.item() == pytest.approx(10 * swing.N_static.item(), rel=1e-2)
@@ -136,8 +136,8 @@ def test_noise_of_a_record_is_told_from_ringing():
     for swings in (60, 20, 0):
         whole = np.sin(np.pi * fine / 500) * (1 + 0.3 * np.sin(2 * np.pi * swings * fine / 500))
         assert not sampled(fine, whole).notes
-    (told,) = sampled(fine, whole + np.pad(noise, 1)).notes
-    assert re.match(r"has noise of 2\.\d% of its peak", told)
+    (note,) = sampled(fine, whole + np.pad(noise, 1)).notes
+    assert re.match(r"has noise of 2\.\d% of its peak", note)
 
 
 def areas(pulse):
@@ -187,13 +187,13 @@ def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, reboun
 def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart, share):
     """Behind a wide gap the mass is a linear oscillator: times 2 |cos(pi apart)| in periods."""
     far, N = varied(handout, gap=50.0), 30
-    own, period = far.own_frequency, 2 * math.pi / far.own_frequency
+    omega, period = far.own_frequency, 2 * math.pi / far.own_frequency
     lasts = 0.1 * period
     blow, wait = {"shape": "half sine", "duration": lasts}, {"wait": apart * period - lasts}
     asked = {"horizon": 2 * period, "pulse": {"train": [blow, wait, blow]}}
     run = snapmap.simulate(far, N, None, 0.0, "cosines", **asked)
     after, p = run.z_mass[run.time > apart * period + lasts], math.pi / lasts
-    alone = 2 * N * far.gravity * p * math.cos(own * lasts / 2) / (own * abs(own**2 - p**2))
+    alone = 2 * N * far.gravity * p * math.cos(omega * lasts / 2) / (omega * abs(omega**2 - p**2))
     swing = abs(after - far.beam.rise - far.gap).max().item()
     assert swing == pytest.approx(2 * share * alone, abs=2e-3 * alone) and run.blow == 0
 

@@ -47,10 +47,10 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
 @pytest.mark.parametrize("until", ["snap", "settled"])
 def test_labels_change_where_the_threshold_is(handout, until):
     """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
-    found = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
-    assert not found.ragged.any()
+    edges = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
+    assert not edges.ragged.any()
     share = 1e-3 * np.arange(-10.5, 10)
-    for f0, first in zip(found.f0.values, found.N_first.values.ravel(), strict=True):
+    for f0, first in zip(edges.f0.values, edges.N_first.values.ravel(), strict=True):
         grid = first * (1 + share), [f0], [25.0]
         labels = snapmap.sweep(handout, *grid, until=until, repeat=False).t_snap
         far = abs(share) > labels.label_distance

@@ -270,10 +270,10 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
     rows, built = to_rows(0, [F0], 0.0), build_model(batch([handout]), "reference")
     usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Settings()).item()
     asked = {"model": snaps_from_900_on, "spring": [4.0, 5.5]}
-    found = snapmap.threshold(handout, [F0], [0.0], **asked).squeeze()
-    assert found.N_first.values == pytest.approx(909.0, rel=1e-4)
-    assert (found.N_first - 900 < found.N_error).all() and (found.N_error < 20).all()
-    assert all(np.isnan(found[key]).all() for key in ("N_bound", "N_static", "N_slow", "dwell"))
+    edges = snapmap.threshold(handout, [F0], [0.0], **asked).squeeze()
+    assert edges.N_first.values == pytest.approx(909.0, rel=1e-4)
+    assert (edges.N_first - 900 < edges.N_error).all() and (edges.N_error < 20).all()
+    assert all(np.isnan(edges[key]).all() for key in ("N_bound", "N_static", "N_slow", "dwell"))
 
 
 @pytest.mark.parametrize("answer", [True, False, -1.0, "snapped", 1j])

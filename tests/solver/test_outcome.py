@@ -118,13 +118,13 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
     built, horizon = build_model(handout, "cosines", modes=3), 900.0
     cells = to_cells(handout, 0, *random_cells(48, 7, [0.025, 25.0]), horizon)
-    seen, own = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
+    seen, swing = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
     dt = built.steps.of(cells, STAY)
     assert set(seen.well) == {1, 2}
     np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)
     open_ones, shares = np.flatnonzero(np.isnan(seen.t_settled)), []
     for i in open_ones:
-        last, before = cells.t_end[i] / dt[i], (cells.t_end[i] - own) / dt[i]
+        last, before = cells.t_end[i] / dt[i], (cells.t_end[i] - swing) / dt[i]
         end, start = BLOCK * (int(last) // BLOCK + 1), BLOCK * max(0, int(before) // BLOCK)
         is_second = recorded(built, cells, i, dt[i], end)[1][start:] < built.barrier.midpoint
         shares.append(np.mean(is_second == (seen.well[i] == 2)))

@@ -34,11 +34,11 @@ def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
 def test_no_mass_on_its_spring_flies_faster(handout, f0):
     """By the answer to a half sine, which is near the bound where the pulse is short."""
     cells = to_cells(handout, 0, [-800.0], f0, 0.0, 0.0, 0, (make_pulse("half sine"),))
-    bound, own = largest_speed(handout, cells).item(), handout.mass_frequency
+    bound, frequency = largest_speed(handout, cells).item(), handout.mass_frequency
     turn, rate = np.linspace(0.0, np.pi, 2001), np.pi * f0 * 1e-6
-    per_us = 800.0 * handout.gravity * rate / (rate**2 - own**2)
-    during = per_us * (np.cos(turn * own / rate) - np.cos(turn))
-    after = 2 * per_us * np.cos(np.pi * own / rate / 2)
+    per_us = 800.0 * handout.gravity * rate / (rate**2 - frequency**2)
+    during = per_us * (np.cos(turn * frequency / rate) - np.cos(turn))
+    after = 2 * per_us * np.cos(np.pi * frequency / rate / 2)
     share = max(abs(during).max(), abs(after)) / bound
     assert share <= 1 + 1e-12 and (share > 0.99 or f0 < 5e4)
     assert largest_speed(alone(handout), cells) == 0.0
@@ -64,8 +64,8 @@ def test_thresholds_are_those_of_a_tenth_of_the_step(handout, shape, contact):
 def test_slow_thresholds_are_exact_to_1e_4(handout, values):
     """At rest on the beam, a hundred times as heavy, or across a gap, on a stiff spring too."""
     device = replace(handout, **values)
-    model, own = build_model(device, "cosines", modes=3), device.own_frequency / (2 * np.pi) * 1e6
-    asked = np.array([0.01, 0.028]) * own, 25.0, make_pulse(), 1e-6
+    f0, model = device.own_frequency / 2e-6 / np.pi, build_model(device, "cosines", modes=3)
+    asked = np.array([0.01, 0.028]) * f0, 25.0, make_pulse(), 1e-6
     usual, fine = (threshold(each, *asked) for each in (model, model.with_step(0.2)))
     np.testing.assert_allclose(usual, fine, rtol=1e-4)
     if "spring" in values:  # it presses the mass across its gap

@@ -47,12 +47,12 @@ def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, h
     np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[sure])
     assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
 
-    found = snapmap.threshold(device, [f0], [C], **how).squeeze()
-    N = np.geomspace(0.97, 1.02, 60) * found.N_first.item()
+    edges = snapmap.threshold(device, [f0], [C], **how).squeeze()
+    N = np.geomspace(0.97, 1.02, 60) * edges.N_first.item()
     snapped = snaps(0.5, N)
     first = N[np.argmax(snapped)]
-    assert found.ragged and not snapped[0] and snapped.any()
-    assert abs(found.N_first - first) <= found.N_error < 0.02 * first
+    assert edges.ragged and not snapped[0] and snapped.any()
+    assert abs(edges.N_first - first) <= edges.N_error < 0.02 * first
 
 
 class Counted:

@@ -33,13 +33,13 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
-    found = snapmap.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
-    assert found.ragged.values.tolist() == [0, 1, 1]
-    assert np.isfinite(found.N_error).all()
-    assert (found.N_first <= found.N_always).all()
-    assert found.N_always[0] == found.N_first[0] and found.N_always[1] > found.N_first[1]
-    lengths = (found.island_to - found.island_from).sum("island")
-    assert (lengths <= found.N_always - found.N_first).all()
+    edges = snapmap.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
+    assert edges.ragged.values.tolist() == [0, 1, 1]
+    assert np.isfinite(edges.N_error).all()
+    assert (edges.N_first <= edges.N_always).all()
+    assert edges.N_always[0] == edges.N_first[0] and edges.N_always[1] > edges.N_first[1]
+    lengths = (edges.island_to - edges.island_from).sum("island")
+    assert (lengths <= edges.N_always - edges.N_first).all()
 
 
 def test_errors_lie_within_their_bars(monkeypatch):

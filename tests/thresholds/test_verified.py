@@ -66,8 +66,8 @@ def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     whole = snapmap.threshold(handout, f0, **ASKED, thickness=thickness)
     half = snapmap.threshold(handout, f0, **ASKED, thickness=thickness[::2])
     assert whole.verified.sum() > 4 and not half.verified.any()
-    for one, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
-        apart = abs(one.N_first - other.N_first.sel(thickness=one.thickness[:5:2]))
-        assert (apart <= one.N_error).all()
+    for each, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
+        apart = abs(each.N_first - other.N_first.sel(thickness=each.thickness[:5:2]))
+        assert (apart <= each.N_error).all()
     monkeypatch.setattr(surface, "ROWS", 1)
     xr.testing.assert_identical(snapmap.threshold(handout, f0, **ASKED, thickness=thickness), whole)

@@ -1,5 +1,6 @@
-"""Where nothing snaps, and why: bounds by energy, runs that fail, thresholds below the statics."""
+"""Limits of thresholds: bounds by energy, statics, slow pulses, and where nothing snaps at all."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +10,15 @@ from varied import varied
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
-from snapmap.pulse.pulse import make_pulse
+from snapmap.pulse.pulse import make_pulse, sampled
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 from snapmap.thresholds.rows import tidy
+from snapmap.thresholds.slow import HEAVY, growth_rate, slow_factor
 from snapmap.thresholds.surface import summary
-from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS, first_seen
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 
 def compliance(device):
@@ -68,20 +70,6 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
     assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
-def test_it_is_looked_down_to_the_bound():
-    """By hand: a threshold below what is looked at first, none, a run that fails, one too weak."""
-    exact = np.array([[0.12], [np.inf], [5.0], [0.0]])
-
-    def ask(N):
-        told = np.where(exact <= N, 1.0, np.nan)
-        told[2] = np.where(N[2] > 1, -np.inf, np.nan)
-        return np.where(np.isfinite(N), told, np.nan)
-
-    first, quiet = first_seen(ask, np.tile([1.0, 2.0, 4.0], (4, 1)), np.full(4, 0.1))
-    assert 0.12 <= first[0] <= 0.12 * 1.03 and np.isnan(first[1:]).all()
-    assert quiet.tolist() == [False, True, False, False]
-
-
 @pytest.mark.parametrize(
     ("spring", "pulse", "independent"), [(0.1, "versed sine", 77.76), (0.5, "half sine", 228.4)]
 )
@@ -120,9 +108,9 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
 
 def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):
     """At 1e8 Hz only its shorter steps follow the pulse, which is as good as a jump in velocity."""
-    found = snapmap.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
-    change = found.N_first * handout.gravity * 0.5 / 100.0
-    assert change.item() == pytest.approx(found.velocity_change.item(), rel=0.01)
+    edges = snapmap.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
+    change = edges.N_first * handout.gravity * 0.5 / 100.0
+    assert change.item() == pytest.approx(edges.velocity_change.item(), rel=0.01)
 
 
 def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
@@ -141,3 +129,56 @@ def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
     assert model.steps.pressed > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
     assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
+
+
+SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])
+
+
+def test_the_handouts_mass_departs_in_68_us(handout):
+    """From kappa = 1/(1/s - 1/lambda) - K, s = 64 pi^2 EI/L^3; and damped it departs slower."""
+    s = 64 * math.pi**2 * 2.2e6 / 600**3
+    for contact, kappa in ((40.0, 2.166601), (math.inf, 0.93352)):
+        assert 1 / (1 / s - 1 / contact) - 5.5 == pytest.approx(kappa, rel=1e-6)
+        for C in (0.0, 0.025, 25.0, 1e4):
+            sigma = growth_rate(varied(handout, contact=contact), C)
+            assert 1e4 * sigma**2 + C * sigma == pytest.approx(kappa, rel=1e-6)
+    assert growth_rate(handout, 0.0) == pytest.approx(0.0147194, rel=1e-5)
+    assert 2 / growth_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
+
+
+def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvature():
+    """I = (1 - cos(2 pi x + b) cos b)/2 with tan b = 2 pi f0/sigma, until the pulse ends."""
+    factor = slow_factor(make_pulse(), SWINGS)
+    closed = 1 + np.tan(np.arctan(2 * np.pi / SWINGS) / 2) ** 2
+    np.testing.assert_allclose(factor[:3], closed[:3], rtol=2e-7)
+    for shape, bend in ("versed sine", 2 * np.pi**2), ("half sine", np.pi**2):
+        excess = slow_factor(make_pulse(shape), SWINGS)[1] - 1
+        assert excess == pytest.approx(bend / 2 / SWINGS[1] ** 2, rel=2e-3)
+    x = np.linspace(0, 1, 2001)
+    record = sampled(1e4 * x, make_pulse().at(x))
+    np.testing.assert_allclose(slow_factor(record, SWINGS), factor, rtol=1e-6)
+    twice = sampled(1e4 * x, 0.5 * make_pulse().at(2 * x) + make_pulse().at(2 * x - 1))
+    np.testing.assert_allclose(slow_factor(twice, 2 * SWINGS), factor, rtol=1e-5)
+    assert slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(np.ones(2), abs=1e-12)
+    for pulse in (make_pulse("sawtooth"), make_pulse().reversed()):
+        assert np.isnan(slow_factor(pulse, SWINGS)).all()
+
+
+def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
+    f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
+    edges = snapmap.threshold(handout, f0, C, model="cosines", modes=3, tolerance=1e-5)
+    np.testing.assert_allclose(edges.N_slow, edges.N_first, rtol=1e-3)
+    assert edges.dwell.values.tolist() == [2 / growth_rate(handout, c) for c in C]
+    # N_static of the exact beam is 2e-4 above that of three cosines.
+    rise = (math.pi * 1e-6 / growth_rate(handout, 0.025)) ** 2 * 37500
+    for N in (edges.N_first, edges.N_slow):
+        assert (N[0, 2] - N[0, 0]) / edges.N_static == pytest.approx(rise, rel=0.04)
+
+
+def test_what_has_no_corner_has_no_dwell(handout):
+    light, tilts = {"mass": 0.99 * HEAVY * handout.beam.weight}, {"free": 1.0, "imperfection": 0.1}
+    none = [{"spring": 8.0}, {"contact": 6.0}, light, {"gap": 1.0}, {"stop_toward": 6.0}, tilts]
+    none += [{"cosine_2": 0.01}]  # 8 uN/um are as stiff as the falling beam
+    assert np.isnan([growth_rate(varied(handout, **values), 0.025) for values in none]).all()
+    for values in ({"stop_toward": 60.0, "stop_away": 5.0}, {"residual_stress": -3.0}):
+        assert growth_rate(varied(handout, **values), 0.025) == growth_rate(handout, 0.025)

@@ -1,4 +1,4 @@
-"""A batch of devices against each device alone: the same bits, whatever is asked."""
+"""The same bits in any company: of other cells, in any order, on threads, and in a batch."""
 
 import numpy as np
 import pytest
@@ -7,10 +7,48 @@ from varied import varied
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
+from snapmap.solver import simd_loop
 from snapmap.solver.adaptive import choose_model
-from snapmap.solver.cells import to_cells
+from snapmap.solver.cells import no_observations, to_cells
+from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.models import build_model
+from snapmap.solver.outcome import FAILED, NEVER
 from snapmap.solver.settings import Settings
 from studies.random_devices import draw_widest_device
+
+
+def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
+    rng = np.random.default_rng(5)
+    model = build_model(handout, "cosines", modes=3)
+    N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
+    cells = to_cells(handout, 0, N, f0, 0.025, 300.0)
+    together, order = model.follow(cells, Settings())[:6], rng.permutation(N.size)
+    shuffled = model.follow(cells.take(order), Settings(threads=2))[:6]
+    first = model.follow(cells.take(slice(1)), Settings())[:6]
+    for whole, mixed, single in zip(together, shuffled, first, strict=True):
+        np.testing.assert_array_equal(whole[order], mixed)
+        np.testing.assert_array_equal(whole[:1], single)
+
+
+def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
+    model = build_model(handout, "cosines", modes=3)
+    sizes = []
+
+    def march(model, cells, dt, settings):
+        sizes.append(cells.f0.size)
+        return no_observations(cells.f0.shape)[:7]
+
+    monkeypatch.setattr(simd_loop, "march", march)
+    for size in (1, LANES, LANES + 1, 8 * LANES):
+        cells = to_cells(handout, 0, np.full(size, 900.0), 1500.0, 0.025, 300.0)
+        model.follow_once(cells, Settings(threads=4))
+    assert sorted(sizes) == sorted([1, LANES, LANES // 2 + 1, LANES // 2, *[2 * LANES] * 4])
+
+
+def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
+    cube = snapmap.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
+    assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
+
 
 MODELS = {
     "all modes": {"name": "elements"},
@@ -28,8 +66,7 @@ def devices():
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"],
+    "name", [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"]
 )
 def test_a_batch_is_each_of_its_devices(devices, name):
     if name in ("elements", "auto"):  # with the tilting modes of free ones kernels take a minute
@@ -60,9 +97,9 @@ def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, contacts
         alone = snapmap.threshold(varied(handout, contact=contact), **asked)
         slice_of_all = together.sel(contact=contact)
         for name in alone:
-            own, whole = alone[name].values, slice_of_all[name].values
+            single, whole = alone[name].values, slice_of_all[name].values
             if "island" in alone[name].dims:
-                whole, beyond = np.split(whole, [own.shape[-1]], axis=-1)
+                whole, beyond = np.split(whole, [single.shape[-1]], axis=-1)
                 assert np.isnan(beyond).all()
-            np.testing.assert_array_equal(whole, own, err_msg=name)
+            np.testing.assert_array_equal(whole, single, err_msg=name)
     assert (together.islands > 0).any()
