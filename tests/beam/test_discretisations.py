@@ -58,9 +58,7 @@ def bent_first_shape(beam, c):
 @pytest.mark.parametrize(
     ("basis", "within"), [(symmetric_cosines(3), 1e-9), (hermite_elements(20), 4e-3)]
 )
-def test_the_second_shape_at_rest_has_160_mpa_of_bending_and_11_of_compression(
-    handout, basis, within
-):
+def test_the_second_shape_at_rest_has_160_mpa_of_bending_11_of_compression(handout, basis, within):
     beam, c = handout.beam, handout.beam.second_equilibrium / handout.beam.rise
     stress, modal = of_modes(beam, basis)
     p = modal.shapes.T @ (beam.weight * basis.mass @ ((c - 1) * beam.rise * basis.start))
@@ -71,7 +69,7 @@ def test_the_second_shape_at_rest_has_160_mpa_of_bending_and_11_of_compression(
 
 
 @pytest.mark.parametrize("residual", [-20.0, 30.0])
-def test_what_is_left_of_residual_stress_at_rest(handout, residual):
+def test_a_beam_at_rest_keeps_the_stress_that_its_rise_does_not_relieve(handout, residual):
     beam = replace(handout.beam, residual_stress=residual)
     stress, _ = of_modes(beam, symmetric_cosines(4), 3)
     c = beam.height / beam.rise

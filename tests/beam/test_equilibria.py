@@ -37,7 +37,7 @@ def test_shapes_at_rest_are_the_roots_of_the_cubic(handout, stress, thickness):
     assert replace(made, residual_stress=0.0).height == made.rise
 
 
-def test_stresses_at_which_things_change(handout):
+def test_a_stress_buckles_the_flat_beam_and_a_higher_one_ends_the_second_shape(handout):
     """The flat beam buckles at 5.483 MPa; state 2 goes at 69.45, and stays if free from -2.419."""
     beam = handout.beam
     load = 4 * np.pi**2 * beam.bending_stiffness / beam.span**2

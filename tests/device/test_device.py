@@ -35,7 +35,7 @@ SIZES = ["span", "thickness", "depth", "youngs_modulus", "density", "mass", "spr
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_sizes_are_positive_and_finite(value):
+def test_a_size_that_is_not_positive_and_finite_is_refused(value):
     for name in SIZES:
         part, key = (BEAM, "device.beam") if hasattr(BEAM, name) else (DEVICE, "device")
         with pytest.raises(ValueError, match=rf"^{key}\.{name}: {value} is not .*$"):

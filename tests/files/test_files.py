@@ -76,7 +76,7 @@ def test_a_file_is_held_once(tmp_path):
 
 
 @pytest.mark.parametrize("code", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
-def test_without_locks_it_says_so(tmp_path, monkeypatch, code):
+def test_a_file_system_without_locks_is_named(tmp_path, monkeypatch, code):
     def flock(*_):
         raise OSError(code, os.strerror(code))
 

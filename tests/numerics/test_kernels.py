@@ -31,9 +31,7 @@ def factor(x):
 @pytest.mark.parametrize(
     "variable", ["XDG_CACHE_HOME", pytest.param("NUMBA_CACHE_DIR", marks=pytest.mark.long)]
 )
-def test_a_kernel_is_compiled_by_a_single_process_and_never_of_another_source(
-    root, tmp_path, variable
-):
+def test_a_kernel_is_compiled_by_a_single_process_of_its_own_source(root, tmp_path, variable):
     """All start at once; what does not compile waits, and loads.
 
     numba by itself would keep the kernel after an edit: its own file stays as it is.
@@ -85,7 +83,7 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(cache):
                 assert sum(kernel.stats.cache_hits.values()) == hits
 
 
-def test_what_is_compiled_is_told_once(cache, recwarn):
+def test_a_kernel_is_announced_once_when_it_is_compiled(cache, recwarn):
     for _ in range(2):
         assert njit(cache=True)(_size)((0,) * 23) == 23
     assert ["23 modes" in str(warning.message) for warning in recwarn] == [True]

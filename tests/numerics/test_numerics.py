@@ -51,7 +51,7 @@ def test_products_are_those_of_numpy(size):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_solutions_solve(size):
+def test_solutions_leave_a_residual_of_rounding(size):
     a, b = matrices(size)
     if size > 1:
         a[0, 0, 0] = 0.0  # a pivot that must be passed over

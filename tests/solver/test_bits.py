@@ -68,7 +68,7 @@ def devices():
 @pytest.mark.parametrize(
     "name", [pytest.param("all modes", marks=pytest.mark.long), "elements", "cosines", "auto"]
 )
-def test_a_batch_is_each_of_its_devices(devices, name):
+def test_a_device_in_a_batch_does_what_it_does_alone(devices, name):
     if name in ("elements", "auto"):  # with the tilting modes of free ones kernels take a minute
         devices = [device for device in devices if not device.beam.free]
     if name == "all modes":  # its modes depend on the contact

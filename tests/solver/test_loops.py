@@ -54,7 +54,7 @@ def test_a_mass_that_flies_away_is_a_linear_oscillator(handout, f0):
     np.testing.assert_allclose(history[:, 18][flying], exact[flying], atol=2e-5 * exact.max())
 
 
-def test_order_two_in_the_step_before_first_separation(handout):
+def test_the_plain_loop_converges_with_order_two_before_first_separation(handout):
     duration, ends = 60.0, []
     for n in (2400, 4800, 9600, 19200):
         dt = duration / n
@@ -65,7 +65,7 @@ def test_order_two_in_the_step_before_first_separation(handout):
     assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(2.0, abs=0.1)
 
 
-def test_the_handouts_own_question(handout):
+def test_the_handouts_shock_snaps_the_beam_by_its_own_load(handout):
     """N = 1000 at 1500 Hz snaps; without the beam's own load, as in eq. (3), it would not."""
     w2 = handout.beam.second_equilibrium - handout.beam.rise
     asked = handout, 1000.0, 1.5e-3, 0.025, 0.0276, 2167.0, w2
@@ -113,7 +113,7 @@ def test_energy_is_conserved_to_rounding(handout, name, kind):
         assert seen.energy_error.max() < 1e-11
 
 
-def test_the_order_is_two_until_contact_opens(handout, fix_step):
+def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_step):
     """Position and speed of midpoint and mass at 300 us, pressed together by a long pulse."""
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
@@ -127,7 +127,7 @@ def test_the_order_is_two_until_contact_opens(handout, fix_step):
     assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(np.full((2, 2), 2.0), abs=0.3)
 
 
-def test_no_contact_is_too_stiff(handout):
+def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
     devices = (varied(handout, contact=contact) for contact in (np.inf, 1e12))
     hard, stiff = (build_model(device, "cosines", modes=5) for device in devices)
@@ -164,9 +164,8 @@ def test_hard_contact_is_the_limit_of_a_rising_penalty(handout):
 def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     section = (root / "docs" / "theory.md").read_text().split("## Symbols")[1].split("\n## ")[0]
     table = [line.split("|")[1:3] for line in section.splitlines() if line.startswith("| ")]
-    in_kernel, in_plain_loop = (
-        re.findall(r"`(\w+)`", " ".join(c)) for c in zip(*table, strict=True)
-    )
+    columns = map(" ".join, zip(*table, strict=True))
+    in_kernel, in_plain_loop = (re.findall(r"`(\w+)`", column) for column in columns)
     bounds = {"LANES", "STATE", "VECTORS"}
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)

@@ -51,7 +51,7 @@ def recorded(model, cells, i, dt, steps):
     return np.hstack([(part.time, part.u @ form.midpoint) for part in motions])
 
 
-def test_latched_stays_in_well_two(handout):
+def test_a_latched_beam_never_rises_past_the_saddle_again(handout):
     """Followed on in the same steps, the midpoint of a latched beam never rises past the saddle."""
     device = varied(handout, damping=4e-4)
     model, saddle = build_model(device, "cosines", modes=3), -device.beam.rise / 3
@@ -67,7 +67,7 @@ def test_latched_stays_in_well_two(handout):
 
 
 @pytest.mark.parametrize("contact", [40.0, np.inf])
-def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, contact):
+def test_a_run_whose_energy_error_exceeds_its_margin_proves_nothing(handout, contact):
     """On purpose: the roughest steps. What is proven must be what a fine step shows."""
     device = varied(handout, contact=contact)
     N, *others = random_cells(100, 3, [0.025, 25.0])
@@ -87,7 +87,7 @@ def test_no_proof_from_a_run_whose_energy_error_exceeds_its_margin(handout, cont
         assert never.sum() > 20 and nearby[1][never].all()
 
 
-def test_no_proof_below_the_energy_that_a_run_keeps(handout):
+def test_a_run_proves_nothing_while_it_keeps_more_energy_than_the_barrier(handout):
     """Without damping that is the work of the pulse."""
     N, shares = [600.0, 750.0, 850.0, 870.0, 880.0], [*(1 - np.geomspace(1e-7, 1e-2, 11)), 2.0]
 

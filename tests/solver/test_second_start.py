@@ -53,7 +53,7 @@ def test_the_reset_force_is_the_closed_form(handout):
         assert static_threshold(device, back=True) == pytest.approx(-least, rel=1e-5)
 
 
-def test_the_models_and_scipy_agree(handout):
+def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     """With its mass, by the beam's own inertia: -z from the second shape."""
     model = build_model(handout, "cosines", modes=3).with_step(0.25)
     N, form, mass = 5.5e4, model.modal, handout.mass
@@ -114,7 +114,7 @@ def test_what_is_proven_holds_for_longer_runs(handout):
     assert (cube.well == 1).where(latched, True).all()
 
 
-def test_nothing_snaps_below_the_bound_and_the_start_is_told(handout):
+def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout):
     device = alone(handout, 1.0, damping=4e-3)
     edges = snapmap.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
     assert (edges.N_bound < edges.N_first).all()

@@ -52,7 +52,7 @@ def threshold(model, f0, C, pulse, tolerance):
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("contact", [40.0, np.inf])
-def test_thresholds_are_those_of_a_tenth_of_the_step(handout, shape, contact):
+def test_thresholds_do_not_change_in_a_tenth_of_the_step(handout, shape, contact):
     """Within 0.1 %, in rows in which labels change once."""
     model = build_model(replace(handout, contact=contact), "cosines", modes=3)
     asked = [100.0, 300.0, 1000.0], 200.0, make_pulse(shape), 1e-5

@@ -42,7 +42,7 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
     assert (lengths <= edges.N_always - edges.N_first).all()
 
 
-def test_errors_lie_within_their_bars(monkeypatch):
+def test_errors_of_random_devices_lie_within_their_bars(monkeypatch):
     """On two devices drawn at random, against two independent discretisations."""
     judges = [{"name": "cosines", "modes": 11}, {"name": "elements", "elements": 20, "modes": 9}]
     monkeypatch.setattr(coverage, "JUDGES", judges)

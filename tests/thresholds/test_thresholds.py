@@ -21,6 +21,14 @@ from snapmap.thresholds.survey import CLOSE_STEP, find_changes, refine_edges
 CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 
 
+def test_amplitudes_reach_both_ends_in_even_steps():
+    N = amplitudes(np.array([1.0, 2.0, np.nan]), np.array([1.5, 2.0, 3.0]), 0.1)
+    assert N[0, 0] == 1.0 and np.nanmax(N[0]) == 1.5 and N[1, 0] == 2.0
+    ratios = N[0, 1:-1] / N[0, :-2]
+    np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
+    assert np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
+
+
 class Snapping:
     """A model of which all N in given stretches snap, but in rows of a strong damper."""
 
@@ -35,7 +43,7 @@ class Snapping:
         return no_observations(t_snap.shape)._replace(t_snap=t_snap, energy_error=0 * N[:, 0])
 
     def with_step(self, factor):
-        return self
+        return Snapping(self.device, SIMPLE)
 
 
 SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
@@ -48,6 +56,7 @@ SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
         (ISLANDS, ISLANDS, None),
         # The model that decides looks farther where the scanning one was wrong.
         ([1.03, 9.0], [1.0, 1.02, 1.05, 9.0], None),
+        (SIMPLE, [0.955, 1.01, 1.03, 9.0], None),
         # The edge that is looked at closely lies at an end of the window of the cheap model.
         (SIMPLE, [0.9965, 0.998, 1.015, 1.03, 1.032, 9.0], None),
         (SIMPLE, [0.975, 0.977, 0.985, 1.001, 1.0015, 9.0], None),

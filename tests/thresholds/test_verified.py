@@ -50,10 +50,8 @@ def test_a_cubic_is_expected_as_it_is_and_only_what_departs_from_one_is_searched
 
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     model = build_model(handout, "cosines", modes=3)
-    rows, known = (
-        to_rows(0, 1000.0, np.full(4, 25.0)),
-        snapmap.threshold(handout, [1000.0], **ASKED),
-    )
+    rows = to_rows(0, 1000.0, np.full(4, 25.0))
+    known = snapmap.threshold(handout, [1000.0], **ASKED)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
     _, N = nearby(model, rows, Settings(300.0), guess, 1e-4)
     assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
