@@ -14,9 +14,9 @@ from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, label
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import amplitudes, asker, stretches
+from snapmap.thresholds.search import amplitudes, asker, near, stretches, walk
 from snapmap.thresholds.settling import LONGER
-from snapmap.thresholds.survey import CLOSE_STEP, find_changes, refine_edges
+from snapmap.thresholds.survey import CLOSE_STEP, distance, find_changes, refine_edges
 
 CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 
@@ -27,6 +27,19 @@ def test_amplitudes_reach_both_ends_in_even_steps():
     ratios = N[0, 1:-1] / N[0, :-2]
     np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
     assert np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
+
+
+def test_the_place_on_a_grid_does_not_depend_on_the_guess():
+    exact, size = np.array([0, 1, 17, 63, 64]), 64
+
+    def label(rows, places):
+        return exact[rows, np.newaxis] <= places
+
+    rows = np.arange(exact.size)
+    for guess in (0, 5, 17, 63):
+        assert (near(label, rows, np.full(exact.size, guess), size) == exact).all()
+    assert (walk(label, rows, 0, size) == exact).all()
+    assert walk(label, rows, 3, size, 10).tolist() == [3, 3, 23, 63, 64]
 
 
 class Snapping:
@@ -76,6 +89,13 @@ def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided,
     below = np.reshape(decided, (-1, 2))[: -1 if highest is None else None]
     np.testing.assert_allclose(np.transpose(islands)[:, 0], below, rtol=2e-6)
     assert np.isnan(np.transpose(islands)[:, 1]).all()
+
+
+def test_the_distance_to_another_level_is_bracketed():
+    exact, N_first = np.array([[1.003], [0.9], [3.0]]), np.array([1.0, 1.0, np.nan])
+    apart = distance(lambda N: np.where(exact <= N, 1.0, np.nan), N_first, 1e-4)
+    assert 0.003 <= apart[0] <= 0.007 and 0.1 <= apart[1] <= 0.21 and np.isnan(apart[2])
+    assert distance(lambda N: np.where(N > 9, 1.0, np.nan), N_first[:1], 1e-4) == np.inf
 
 
 def test_thresholds_lie_within_their_error_bars(handout, fix_step):
