@@ -82,6 +82,15 @@ def make_found(C=(25.0, 200.0)):
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
 
 
+def assert_same_cube(cube, other):
+    """Two cubes have the same variables, bit for bit, and the same counts of outcomes."""
+    assert set(cube.variables) == set(other.variables)
+    for key in other.variables:
+        assert cube[key].values.tobytes() == other[key].values.tobytes(), key
+    counts = [key for key in other.attrs if key.startswith(("cells_", "share_"))]
+    assert [cube.attrs[key] for key in counts] == [other.attrs[key] for key in counts]
+
+
 def visible(line):
     """Points of a line that are not NaN."""
     return line.get_xydata()[~np.isnan(line.get_ydata())].tolist()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import root
+from varied import varied
 
 from snapmap import simulate, threshold
 from snapmap.beam.cosines import symmetric_cosines
@@ -23,21 +24,12 @@ SHAPES = {
 }
 
 
-@pytest.fixture(scope="module")
-def beam(handout):
-    return handout.beam
-
-
 def slopes(beam, x):
     """w0' of a beam, from its shape itself."""
-    rise, span = beam.rise, beam.span
-    found = rise * np.pi / span * np.sin(2 * np.pi * x / span)
-    for n in range(2, 6):
-        share = getattr(beam, f"cosine_{n}")
-        found += rise / 2 * share * 2 * n * np.pi / span * np.sin(2 * n * np.pi * x / span)
-        if n % 2:
-            found -= rise / 2 * share * 2 * np.pi / span * np.sin(2 * np.pi * x / span)
-    return found
+    shares = [1.0, beam.cosine_2, beam.cosine_3, beam.cosine_4, beam.cosine_5]
+    shares[0] -= beam.cosine_3 + beam.cosine_5  # so that the midpoint is at the rise
+    turns = 2 * np.pi * np.arange(1, 6) / beam.span
+    return beam.rise / 2 * (shares * turns) @ np.sin(np.outer(turns, x))
 
 
 class Polynomials:
@@ -47,30 +39,24 @@ class Polynomials:
         s, weights = np.polynomial.legendre.leggauss(200)
         self.x, half = (1 + s) * beam.span / 2, beam.span / 2
         clamped = Polynomial([1, 0, -1]) ** 2
-        bare = [
-            clamped * Legendre.basis(2 * k).convert(kind=Polynomial) / (1 + k) ** 2
-            for k in range(terms)
-        ]
-        self.values = np.array([one(s) for one in bare])
-        self.slopes = np.array([one.deriv()(s) for one in bare]) / half
-        self.bends = np.array([one.deriv(2)(s) for one in bare]) / half**2
+        legendre = (Legendre.basis(2 * k).convert(kind=Polynomial) for k in range(terms))
+        shapes = [clamped * shape / (1 + k) ** 2 for k, shape in enumerate(legendre)]
+        self.values, self.middle = (np.array([shape(at) for shape in shapes]) for at in (s, 0))
+        self.slopes = np.array([shape.deriv()(s) for shape in shapes]) / half
+        self.bends = np.array([shape.deriv(2)(s) for shape in shapes]) / half**2
         self.weights, self.beam, self.start = weights * half, beam, slopes(beam, self.x)
-        springs = 2 / beam.clamp_axial + beam.span / (beam.youngs_modulus * beam.area)
-        self.soft = springs, beam.residual_stress * beam.area
-        self.middle = np.array([one(0) for one in bare])
+        relief = beam.span / (beam.youngs_modulus * beam.area)
+        self.compliance = 2 / beam.clamp_axial + relief
+        self.stretch_at_rest = beam.residual_stress * beam.area * relief
 
     def tension(self, c):
         slope = c @ self.slopes
         stretch = self.weights @ (slope * (slope + 2 * self.start)) / 2
-        compliance, own = self.soft
-        relief = self.beam.span / (self.beam.youngs_modulus * self.beam.area)
-        return (stretch + own * relief) / compliance
+        return (stretch + self.stretch_at_rest) / self.compliance
 
     def energy(self, c):
-        bend = c @ self.bends
-        compliance, _ = self.soft
-        bending = self.beam.bending_stiffness * self.weights @ bend**2 / 2
-        return bending + self.tension(c) ** 2 * compliance / 2
+        bending = self.beam.bending_stiffness * self.weights @ (c @ self.bends) ** 2 / 2
+        return bending + self.tension(c) ** 2 * self.compliance / 2
 
     def force(self, c):
         bend, slope = c @ self.bends, c @ self.slopes + self.start
@@ -79,8 +65,7 @@ class Polynomials:
 
     def held(self, displacement):
         """Least energy with the midpoint moved so far, and the force that it takes."""
-        unit = self.beam.stiffness_unit * self.beam.thickness
-        found = []
+        unit, ends = self.beam.stiffness_unit * self.beam.thickness, []
         for second in np.linspace(-2, 2, 5) * self.beam.thickness:
             turns = 2 * np.pi * self.x / self.beam.span
             towards = displacement * (1 - np.cos(turns)) + second * (1 - np.cos(2 * turns))
@@ -91,16 +76,16 @@ class Polynomials:
                 away = (self.middle @ c - displacement) / self.beam.thickness
                 return np.append(self.force(c) / unit - push * self.middle, away)
 
-            end = root(residual, np.append(guess, 0.0), tol=1e-10)
-            converged = np.abs(residual(end.x)).max() < 1e-5
-            found += [(self.energy(end.x[:-1]), abs(end.x[-1]))] if converged else []
-        return min(found)
+            end = root(residual, np.append(guess, 0.0), tol=1e-10).x
+            if np.abs(residual(end)).max() < 1e-5:
+                ends.append((self.energy(end[:-1]), abs(end[-1])))
+        return min(ends)
 
 
 @pytest.mark.parametrize("values", SHAPES.values(), ids=SHAPES)
-def test_equilibria_are_those_of_another_code(beam, values):
+def test_equilibria_are_those_of_another_code(handout, values):
     """Held where an equilibrium is said to be, the beam takes no force, and has its energy."""
-    made = replace(beam, **values)
+    made = replace(handout.beam, **values)
     other, barrier = Polynomials(made), find_barrier(made, symmetric_cosines(40))
     at = made.height, made.second_equilibrium, barrier.first + barrier.midpoint
     (low, *none), (_, *no), (top, *nil) = (other.held(place - made.rise) for place in at)
@@ -109,17 +94,17 @@ def test_equilibria_are_those_of_another_code(beam, values):
 
 
 @pytest.mark.parametrize("values", SHAPES.values(), ids=SHAPES)
-def test_elements_converge_to_the_cosines(beam, values):
-    made = replace(beam, **values)
+def test_elements_converge_to_the_cosines(handout, values):
+    made = replace(handout.beam, **values)
     exact = find_barrier(made, symmetric_cosines(40))
     coarse, fine = (find_barrier(made, hermite_elements(n)).energy for n in (6, 12))
     assert abs(fine - exact.energy) < 2e-4 * exact.energy
     assert abs(coarse - exact.energy) > 8 * abs(fine - exact.energy)
 
 
-def test_a_straight_beam_has_two_mirrored_shapes(beam):
+def test_a_straight_beam_has_two_mirrored_shapes(handout):
     """Flat it has the energy ((c - 1) N_1)^2 / 4 (EA/2L) more, c the compression."""
-    made = replace(beam, rise=0.0, residual_stress=-12.0)
+    made = replace(handout.beam, rise=0.0, residual_stress=-12.0)
     barrier = find_barrier(made, symmetric_cosines(9))
     load = 4 * np.pi**2 * made.bending_stiffness / made.span**2
     flat = ((made.compression - 1) * load) ** 2 / (4 * made.axial_stiffness)
@@ -129,13 +114,11 @@ def test_a_straight_beam_has_two_mirrored_shapes(beam):
 
 
 def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(handout):
-    device = replace(handout, beam=replace(handout.beam, cosine_2=0.05, cosine_3=-0.03))
-    found = [
-        threshold(device, 1500.0, 25.0, model=name, **size).N_first.item()
-        for name, size in (("elements", {"modes": 5}), ("cosines", {}))
-    ]
-    assert found[0] == pytest.approx(found[1], rel=1e-2)
-    run = simulate(device, 1.02 * max(found), 1500.0, 25.0, model="cosines")
+    device = varied(handout, cosine_2=0.05, cosine_3=-0.03)
+    models = {"model": "elements", "modes": 5}, {"model": "cosines"}
+    N = [threshold(device, 1500.0, 25.0, **model).N_first.item() for model in models]
+    assert N[0] == pytest.approx(N[1], rel=1e-2)
+    run = simulate(device, 1.02 * max(N), 1500.0, 25.0, model="cosines")
     assert run.w_mid[0] == pytest.approx(device.beam.rise)
     assert run.w_mid.min() < device.beam.second_equilibrium
 
@@ -145,11 +128,8 @@ def test_a_measured_shape_is_smoothed(tmp_path):
     x = np.linspace(0, 600, 301)
     w = 4.6 * (1 - np.cos(2 * np.pi * x / 600)) + 0.5 * (1 - np.cos(4 * np.pi * x / 600))
     noise = np.random.default_rng(1).normal(0, 0.02, x.size)
-    path = tmp_path / "shape.csv"
-    rows = "\n".join(
-        f"{a:.3f},{-b * 1e3:.3f}" for a, b in zip(x + 40, w + noise - 0.01 * x, strict=True)
-    )
-    path.write_text(f"x (um),w (nm)\n{rows}\n")
+    path, columns = tmp_path / "shape.csv", np.column_stack([x + 40, 1e3 * (0.01 * x - w - noise)])
+    np.savetxt(path, columns, "%.3f", ",", header="x (um),w (nm)", comments="")
     read = read_shape(path)
     assert read.rms == pytest.approx(0.02, rel=0.2)
     assert sum(read.cosines[::2]) == pytest.approx(9.2, abs=0.01)

@@ -1,43 +1,41 @@
-"""The device's closed forms and limits, and its recipe, which is read back."""
+"""The device: what it refuses, its recipe, which is read back, and its temperature."""
 
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from varied import varied
 
 import snapmap
 from snapmap.config.devices import read_device
-from snapmap.device.device import ALONE, VALUES, Beam, Device
+from snapmap.device.device import ALONE, VALUES, Beam, Device, batch
 from snapmap.device.quantities import QUANTITIES, keys_of
+from snapmap.solver.cells import to_cells
+from snapmap.study.axes import make_grid
 from snapmap.study.provenance import device_sections
 
 BEAM = Beam(span=600.0, rise=10.0, thickness=2.0, depth=22.0, youngs_modulus=1.5e5, density=0.00233)
+NO_SECOND = r"^device\.beam: no .* rise/thickness = 4 um/2 um = 2 and "
 DEVICE = Device(beam=BEAM, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
 
 
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda device: snapmap.threshold(device, [1500.0], [25.0]),
-        lambda device: snapmap.sweep(device, [900.0], [1500.0], [25.0]),
-        lambda device: snapmap.simulate(device, 900.0, 1500.0, 25.0),
-    ],
-)
-def test_a_beam_without_a_second_shape_has_statics_alone(ask):
-    device = replace(DEVICE, beam=replace(BEAM, rise=4.0))
-    with pytest.raises(
-        ValueError, match=r"^device\.beam: no .* rise/thickness = 4 um/2 um = 2 and "
-    ):
-        ask(device)
-    found = snapmap.statics(device)
-    assert found.largest_force > found.least_force > 0  # it snaps, and returns by itself
+def test_a_beam_without_a_second_shape_has_statics_alone():
+    device, row = varied(DEVICE, rise=4.0), ([1500.0], [25.0])
+    for ask, cells in (snapmap.threshold, row), (snapmap.sweep, ([900.0], *row)):
+        with pytest.raises(ValueError, match=NO_SECOND):
+            ask(device, *cells)
+    with pytest.raises(ValueError, match=NO_SECOND):
+        snapmap.simulate(device, 900.0, 1500.0, 25.0)
+    statics = snapmap.statics(device)
+    assert statics.largest_force > statics.least_force > 0  # it snaps, and returns by itself
 
 
 SIZES = ["span", "thickness", "depth", "youngs_modulus", "density", "mass", "spring", "gravity"]
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_sizes_are_positive_and_finite(value):
+def test_a_size_that_is_not_positive_and_finite_is_refused(value):
     for name in SIZES:
         part, key = (BEAM, "device.beam") if hasattr(BEAM, name) else (DEVICE, "device")
         with pytest.raises(ValueError, match=rf"^{key}\.{name}: {value} is not .*$"):
@@ -69,14 +67,8 @@ def test_the_recipe_of_a_device_is_read_back(of_device, of_beam):
 
 def test_every_value_has_its_line_in_the_table():
     fields = {*Beam.__dataclass_fields__, *Device.__dataclass_fields__} - {"beam", "free", "shape"}
-    assert fields == {
-        *VALUES,
-        "gravity",
-        "force",
-        "contact_at",
-        *keys_of("strength").values(),
-        *keys_of("thermal").values(),
-    }
+    of_groups = *keys_of("strength").values(), *keys_of("thermal").values()
+    assert fields == {*VALUES, "gravity", "force", "contact_at", *of_groups}
 
 
 def test_a_value_that_a_config_leaves_out_is_the_default_of_its_field():
@@ -85,3 +77,48 @@ def test_a_value_that_a_config_leaves_out_is_the_default_of_its_field():
     assert len(lines) > 10
     for name, line in lines.items():
         assert float(line.default.strip("`").split()[0]) == fields[name].default, name
+
+
+THERMAL = {"modulus_slope": -63e-6, "expansion_mismatch": -0.5e-6, "damper_exponent": 0.7}
+
+
+@pytest.fixture(scope="module")
+def silicon(handout):
+    return replace(handout, **THERMAL)
+
+
+def at(device, temperature):
+    return batch([device]).vary({"temperature": np.array([temperature])}).pick(0)
+
+
+def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(silicon):
+    hot = at(silicon, 120.0)
+    assert hot.beam.youngs_modulus == pytest.approx(150e3 * (1 - 63e-4), rel=1e-15)
+    assert hot.beam.residual_stress == pytest.approx(150e3 * 0.5e-4, rel=1e-15)
+    (C,) = to_cells(batch([hot]), [0], [1000.0], [1500.0], [25.0], 0.0).damping
+    assert pytest.approx(25 * (393.15 / 293.15) ** 0.7, rel=1e-15) == C
+    once, twice = at(silicon, -40.0), at(at(silicon, 300.0), -40.0)
+    assert twice.beam.youngs_modulus == pytest.approx(once.beam.youngs_modulus, rel=1e-14)
+    assert twice.beam.residual_stress == pytest.approx(once.beam.residual_stress, rel=1e-12)
+    assert at(silicon, 20.0).beam == silicon.beam
+
+
+def test_the_axis_is_the_device_with_other_values(silicon):
+    asked, C = {"f0": [1500.0], "model": "cosines", "horizon": 0}, 25 * (393.15 / 293.15) ** 0.7
+    along = snapmap.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
+    hot = replace(at(silicon, 120.0), damper_exponent=0.0)
+    alone = snapmap.threshold(hot, C=[C], **asked)
+    assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
+    assert along.temperature.attrs["units"] == "degC"
+
+
+@pytest.mark.parametrize("beam", [{"cosine_2": 0.2, "residual_stress": -20.0}, {"rise": 4.0}])
+def test_a_second_shape_is_needed_at_the_temperature_alone(handout, beam):
+    cold = varied(handout, **beam, expansion_mismatch=9e-6)
+    grid = make_grid(cold, {"temperature": [20.0, 120.0]}, skip=True)
+    assert grid.device_of.tolist() == [-1, 0]
+    hot_stress = cold.beam.residual_stress - 150e3 * 9e-4
+    assert grid.device.beam.residual_stress == pytest.approx([hot_stress])
+    assert len(make_grid(cold, {"temperature": [120.0]}).device) == 1
+    with pytest.raises(ValueError, match=r"temperature = 20 degC: device.beam: .* second stable"):
+        make_grid(cold, {"temperature": [20.0, 120.0]})

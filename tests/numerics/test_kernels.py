@@ -25,57 +25,56 @@ from numba import njit
 
 @njit
 def factor(x):
-    return {}
 """
 
 
 @pytest.mark.parametrize(
     "variable", ["XDG_CACHE_HOME", pytest.param("NUMBA_CACHE_DIR", marks=pytest.mark.long)]
 )
-def test_a_kernel_is_compiled_by_a_single_process_and_never_of_another_source(
-    root, tmp_path, variable
-):
+def test_a_kernel_is_compiled_by_a_single_process_of_its_own_source(root, tmp_path, variable):
     """All start at once; what does not compile waits, and loads.
 
     numba by itself would keep the kernel after an edit: its own file stays as it is.
     """
-    sources = tmp_path / "sources"
-    sources.mkdir()
-    (sources / "outer.py").write_text(OUTER)
-    path = {"PYTHONPATH": f"{sources}:{root / 'workflow' / 'scripts'}", variable: str(tmp_path)}
+    (tmp_path / "outer.py").write_text(OUTER)
+    path = {"PYTHONPATH": f"{tmp_path}:{root / 'workflow' / 'scripts'}", variable: str(tmp_path)}
     how = {"env": os.environ | path, "stdout": subprocess.PIPE, "text": True}
-    for factor, hits in ((3.0, ["0", "1", "1"]), (5.0, ["0"])):
-        (sources / "inner.py").write_text(INNER.format(factor))
+    folder = path.get("NUMBA_CACHE_DIR", "").split()
+    for factor, hits in ((3.0, "011"), (5.0, "0")):
+        (tmp_path / "inner.py").write_text(f"{INNER}    return {factor}")
         command = [sys.executable, "-B", "-c", "import outer"]
         runs = [subprocess.Popen(command, **how) for _ in hits]
         printed = [run.communicate(timeout=120)[0].split() for run in runs]
-        assert {(result, *folder) for result, _, *folder in printed} == {
-            (str(2 * factor), *path.get("NUMBA_CACHE_DIR", "").split())
-        }
-        assert sorted(count for _, count, *_ in printed) == hits
+        assert sorted(printed) == [[str(2 * factor), count, *folder] for count in hits]
     assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2
 
 
-def test_a_kernel_that_cannot_be_kept_runs(tmp_path, monkeypatch):
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def _size(shape):
+    return len(shape)
+
+
+def test_a_kernel_that_cannot_be_kept_runs(cache, monkeypatch):
     def replace(*_):
         raise OSError(28, os.strerror(28))
 
-    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
     with monkeypatch.context() as full:
         full.setattr(os, "replace", replace)
         assert compiled(_size)((0,) * 3) == 3
-    assert not [*tmp_path.rglob("*.nbc")]
+    assert not [*cache.rglob("*.nbc")]
 
 
-def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+def test_a_damaged_kernel_is_compiled_anew_and_kept(cache):
     assert compiled(_size)((0, 0)) == 2
-    for path in [*tmp_path.rglob("*.nbi"), *tmp_path.rglob("*.nbc")]:
+    for path in [*cache.rglob("*.nbi"), *cache.rglob("*.nbc")]:
         whole = path.read_bytes()
-        flips = (
-            whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :]
-            for at in range(0, len(whole), len(whole) // 5)
-        )
+        places = range(0, len(whole), len(whole) // 5)
+        flips = (whole[:at] + bytes([whole[at] ^ 255]) + whole[at + 1 :] for at in places)
         for damaged in (*flips, whole[: len(whole) // 2], b""):
             path.write_bytes(damaged)
             for hits in (0, 1):
@@ -84,12 +83,7 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(tmp_path, monkeypatch):
                 assert sum(kernel.stats.cache_hits.values()) == hits
 
 
-def test_what_is_compiled_is_told_once(tmp_path, monkeypatch, recwarn):
-    monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))
+def test_a_kernel_is_announced_once_when_it_is_compiled(cache, recwarn):
     for _ in range(2):
         assert njit(cache=True)(_size)((0,) * 23) == 23
-    assert ["23 modes" in str(one.message) for one in recwarn] == [True]
-
-
-def _size(shape):
-    return len(shape)
+    assert ["23 modes" in str(warning.message) for warning in recwarn] == [True]

@@ -1,5 +1,6 @@
-"""Shapes against closed forms and other codes, recorded shocks, directions, and what is refused."""
+"""Pulses, records, trains and drops against closed forms, single blows and other codes."""
 
+import itertools
 import math
 import re
 
@@ -7,11 +8,14 @@ import numpy as np
 import pytest
 from conserving_loop import assert_followed
 from scipy.interpolate import CubicSpline
+from varied import varied
 
 import snapmap
-from snapmap.pulse.pulse import SHAPES, make_pulse, sampled
+from snapmap.pulse.pulse import SHAPES, blow_at, make_pulse, sampled
+from snapmap.pulse.trains import GRAVITY, make_drop, make_train
 from snapmap.solver.models import build_model
 
+BLOW = {"shape": "half sine", "duration": 500.0}
 FORMS = {
     "versed sine": lambda x: (1 - np.cos(2 * np.pi * x)) / 2,
     "half sine": lambda x: np.sin(np.pi * x),
@@ -37,18 +41,16 @@ def test_short_pulses_trip_by_their_velocity_change(handout):
     """Half sine : versed sine : sawtooth = pi/4 : 1 : 1; the impulsive limit is one."""
     f0 = 100 * handout.own_frequency / (2 * math.pi) * 1e6
     shapes = ["versed sine", "half sine", "sawtooth"]
-    found = snapmap.threshold(handout, [f0], [60.0], model="cosines", pulse=shapes).squeeze()
-    N = found.N_first.values / found.N_first.values[0]
-    np.testing.assert_allclose(N, [1, math.pi / 4, 1], rtol=0.01)
-    changes = found.velocity_change.values
-    np.testing.assert_allclose(changes, changes[0], rtol=0.01)
+    edges = snapmap.threshold(handout, [f0], [60.0], model="cosines", pulse=shapes).squeeze()
+    np.testing.assert_allclose(edges.N_first / edges.N_first[0], [1, math.pi / 4, 1], rtol=0.01)
+    np.testing.assert_allclose(edges.velocity_change, edges.velocity_change[0], rtol=0.01)
 
 
 def test_long_pulses_without_a_jump_trip_at_the_static_limit(handout):
     f0 = 0.01 * handout.own_frequency / (2 * math.pi) * 1e6
     asked = {"model": "cosines", "horizon": 300.0, "direction": "both", "pulse": [*SHAPES]}
-    found = snapmap.threshold(handout, [f0], [25.0], **asked).squeeze()
-    forward, back = found.sel(direction="+z"), found.sel(direction="-z")
+    edges = snapmap.threshold(handout, [f0], [25.0], **asked).squeeze()
+    forward, back = (edges.sel(direction=way) for way in ("+z", "-z"))
     smooth = ["versed sine", "half sine", "trapezoid"]
     np.testing.assert_allclose(forward.N_first.sel(shape=smooth), forward.N_static[0], rtol=5e-3)
     np.testing.assert_allclose(forward.N_first, forward.N_static, rtol=0.02)
@@ -59,25 +61,26 @@ def test_long_pulses_without_a_jump_trip_at_the_static_limit(handout):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_kink_or_a_jump_leaves_order_two(handout, fix_step, shape):
     """Of a mass that flies, after the pulse: a jump enters by its mean over a step."""
-    f0, runs = 4100.0, []
+    f0, ends, asked = 4100.0, [], {"pulse": shape, "direction": "-z", "horizon": 30.0}
+    late = 1.02e6 / f0 + np.linspace(0, 20, 100)
     for step in (0.8, 0.4, 0.2, 0.1):
         fix_step(step)
-        asked = {"pulse": shape, "direction": "-z", "horizon": 30.0}
         run = snapmap.simulate(handout, 100, f0, 25.0, "cosines", modes=3, **asked)
-        runs.append((run.time.values, run.z_mass.values))
-    late = 1.02e6 / f0 + np.linspace(0, 20, 100)
-    *ends, exact = (CubicSpline(*run)(late) for run in runs)
-    errors = [abs(one - exact).max() for one in ends]
-    assert errors[0] / errors[1] > 2.5 and errors[1] / errors[2] > 2.5
-    assert errors[0] < 1e-3
+        ends.append(CubicSpline(run.time, run.z_mass)(late))
+    errors = [abs(end - ends[-1]).max() for end in ends[:-1]]
+    assert errors[0] / errors[1] > 2.5 and errors[1] / errors[2] > 2.5 and errors[0] < 1e-3
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("direction", ["+z", "-z"])
-def test_the_kernel_follows_the_plain_loop_under_every_shape(handout, shape, direction):
-    pulse = make_pulse(shape) if direction == "+z" else make_pulse(shape).reversed()
+PARTS = {"shape": "sawtooth", "duration": 90.0}, {"wait": 60.0}, {**BLOW, "duration": 99.0}
+RUNS = [(make_pulse(shape), 500.0, 3000.0, 1700) for shape in SHAPES]
+RUNS += [(pulse.reversed(), *others) for pulse, *others in RUNS]
+RUNS += [(make_train(PARTS), 700.0, 1e6 / 249.0, 1400)]
+
+
+@pytest.mark.parametrize(("pulse", "N", "f0", "steps"), RUNS)
+def test_the_kernel_follows_the_plain_loop_under_every_pulse(handout, pulse, N, f0, steps):
     model = build_model(handout, "cosines", modes=3)
-    assert_followed(model, pulse, 500.0, 3000.0, 25.0, 0.2, 1700)
+    assert_followed(model, pulse, N, f0, 25.0, 0.2, steps)
 
 
 def test_shapes_and_directions_are_axes(handout):
@@ -85,30 +88,26 @@ def test_shapes_and_directions_are_axes(handout):
     asked = {"N": [700.0, 1100.0], "f0": [1500.0, 5000.0], "C": [0.025], "model": "cosines"}
     cube = snapmap.sweep(handout, **asked, pulse=["half sine", "sawtooth"], direction="both")
     assert cube.outcome.dims == ("shape", "direction", "C", "f0", "N")
-    for shape in ("half sine", "sawtooth"):
-        for way in ("+z", "-z"):
-            alone = snapmap.sweep(handout, **asked, pulse=shape, direction=way)
-            one = cube.sel(shape=shape, direction=way)
-            np.testing.assert_array_equal(one.t_snap, alone.t_snap)
-            np.testing.assert_array_equal(one.outcome, alone.outcome)
+    for shape, way in itertools.product(["half sine", "sawtooth"], ["+z", "-z"]):
+        alone = snapmap.sweep(handout, **asked, pulse=shape, direction=way)
+        for key in ("t_snap", "outcome"):
+            np.testing.assert_array_equal(cube[key].sel(shape=shape, direction=way), alone[key])
 
 
 def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     """Whatever its peak, with its own duration and stretched to another."""
-    x = np.linspace(0, 1, 401)
-    path = tmp_path / "half.csv"
-    rows = (f"{0.5 * at!r},{37.0 * math.sin(math.pi * at)!r}" for at in x.tolist())
-    path.write_text("\n".join(["time (ms),acceleration (g)", *map(str, rows)]), encoding="utf-8")
+    x, path = np.linspace(0, 1, 401), tmp_path / "half.csv"
+    columns = np.column_stack([0.5 * x, 37.0 * np.sin(np.pi * x)])
+    np.savetxt(path, columns, "%.17g", ",", header="time (ms),acceleration (g)", comments="")
     pulse = snapmap.read_pulse(path)
     assert pulse.name == "half" and pulse.duration == pytest.approx(500.0) and not pulse.notes
     assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
     asked = {"C": [25.0], "model": "cosines"}
     exact = snapmap.threshold(handout, [2000.0, 5000.0], **asked, pulse="half sine").N_first
-    own = snapmap.threshold(handout, None, **asked, pulse=pulse)
-    assert own.f0.values == pytest.approx([2000.0])
-    assert own.N_first.item() == pytest.approx(exact[0, 0].item(), rel=1e-3)
-    other = snapmap.threshold(handout, [5000.0], **asked, pulse=pulse).N_first.item()
-    assert other == pytest.approx(exact[0, 1].item(), rel=1e-3)
+    for f0, N in zip((None, [5000.0]), exact.values[0], strict=True):
+        edge = snapmap.threshold(handout, f0, **asked, pulse=pulse)
+        assert edge.f0.item() == pytest.approx(5000.0 if f0 else 2000.0)
+        assert edge.N_first.item() == pytest.approx(N, rel=1e-3)
 
 
 def test_samples_are_joined_by_straight_lines():
@@ -125,12 +124,11 @@ def test_a_record_that_changes_no_velocity_has_no_impulsive_limit(handout):
     swing = sampled(500 * x, np.sin(2 * np.pi * x), "swing")
     pull = sampled(500 * x, np.where(x < 0.5, -1, 0.1) * np.sin(2 * np.pi * x) ** 2, "pull")
     asked = {"C": [25.0], "model": "cosines", "pulse": [swing, pull]}
-    found = snapmap.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
-    assert found.velocity_change.sel(shape="swing").isnull()
-    assert found.velocity_change.sel(shape="pull") > 0
-    assert found.N_first.sel(shape="swing").notnull().all()
-    static = found.N_static.sel(shape="swing").item()
-    assert found.N_static.sel(shape="pull").item() == pytest.approx(10 * static, rel=1e-2)
+    edges = snapmap.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
+    swing, pull = (edges.sel(shape=shape) for shape in ("swing", "pull"))
+    assert swing.velocity_change.isnull() and pull.velocity_change > 0
+    assert swing.N_first.notnull().all()
+    assert pull.N_static.item() == pytest.approx(10 * swing.N_static.item(), rel=1e-2)
 
 
 def test_noise_of_a_record_is_told_from_ringing():
@@ -138,5 +136,80 @@ def test_noise_of_a_record_is_told_from_ringing():
     for swings in (60, 20, 0):
         whole = np.sin(np.pi * fine / 500) * (1 + 0.3 * np.sin(2 * np.pi * swings * fine / 500))
         assert not sampled(fine, whole).notes
-    (told,) = sampled(fine, whole + np.pad(noise, 1)).notes
-    assert re.match(r"has noise of 2\.\d% of its peak", told)
+    (note,) = sampled(fine, whole + np.pad(noise, 1)).notes
+    assert re.match(r"has noise of 2\.\d% of its peak", note)
+
+
+def areas(pulse):
+    """Of each blow, with what follows up to the next, us over the peak."""
+    place = np.searchsorted(pulse.pieces[:, 0], pulse.blows)
+    return np.add.reduceat(pulse._areas, place) * pulse.duration
+
+
+def test_a_train_is_its_blows_at_their_times():
+    pulse = make_train([BLOW, {"wait": 1500.0}, {**BLOW, "N": -0.5}, {"repeat": 3}])
+    assert pulse.duration == 7500.0 and pulse.ends == (0.0, 0.0)
+    begins = np.array([0.0, 2000.0, 2500.0, 4500.0, 5000.0, 7000.0])
+    np.testing.assert_allclose(pulse.blows * pulse.duration, begins, rtol=1e-14)
+    x = np.linspace(0, 1, 1001)
+    for begin, N in zip(begins, [1, -0.5] * 3, strict=True):
+        blow = pulse.at((begin + 500.0 * x) / pulse.duration)
+        np.testing.assert_allclose(blow, N * make_pulse("half sine").at(x), atol=1e-11)
+    area = 500.0 * 2 / math.pi
+    np.testing.assert_allclose(areas(pulse), [area, -area / 2] * 3)
+    assert pulse.impact * pulse.duration == pytest.approx(area)
+    assert pulse.variation == pytest.approx(9) and pulse.highest == pytest.approx(1)
+    assert pulse.reversed().impact == -pulse.impact
+    instants = np.array([np.nan, 0.1, 1999.0, 2001.0, 1e4]) / pulse.duration
+    assert blow_at([pulse], np.zeros(5, int), instants).tolist() == [0, 1, 1, 2, 6]
+    ramps = make_train([{"shape": "sawtooth", "duration": 100.0, "N": 3}, {"wait": 9.0}])
+    assert ramps.at(np.array([50.0, 100.5, 105.0]) / 110).tolist() == pytest.approx([0.5, 0.5, 0])
+
+
+@pytest.mark.parametrize(("shape", "rebound"), [("half sine", 0.3), ("sawtooth", 0.0)])
+def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, rebound):
+    height, lasts = 2e4, 400.0
+    pulse = make_drop({"height": height, "duration": lasts, "shape": shape, "rebound": rebound})
+    velocity = math.sqrt(2 * GRAVITY * height)
+    unit, back = pulse.own_N * GRAVITY / velocity, rebound ** np.arange(pulse.blows.size)
+    assert pulse.blows[0] * pulse.duration == pytest.approx(velocity / GRAVITY, rel=1e-12)
+    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-1 / pulse.own_N, rel=1e-9)
+    assert unit * pulse.impact * pulse.duration == pytest.approx(1 + rebound)
+    changes = (1 + rebound) * back - 2 * np.append(back[1:], 0)
+    np.testing.assert_allclose(unit * areas(pulse), changes, rtol=1e-9)
+    assert pulse.blows.size == (3 if rebound else 1)
+    assert unit * pulse.area * pulse.duration == pytest.approx(back[-1] * rebound)
+    flights = np.diff(pulse.blows * pulse.duration) - lasts
+    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / GRAVITY, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
+def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart, share):
+    """Behind a wide gap the mass is a linear oscillator: times 2 |cos(pi apart)| in periods."""
+    far, N = varied(handout, gap=50.0), 30
+    omega, period = far.own_frequency, 2 * math.pi / far.own_frequency
+    lasts = 0.1 * period
+    blow, wait = {"shape": "half sine", "duration": lasts}, {"wait": apart * period - lasts}
+    asked = {"horizon": 2 * period, "pulse": {"train": [blow, wait, blow]}}
+    run = snapmap.simulate(far, N, None, 0.0, "cosines", **asked)
+    after, p = run.z_mass[run.time > apart * period + lasts], math.pi / lasts
+    alone = 2 * N * far.gravity * p * math.cos(omega * lasts / 2) / (omega * abs(omega**2 - p**2))
+    swing = abs(after - far.beam.rise - far.gap).max().item()
+    assert swing == pytest.approx(2 * share * alone, abs=2e-3 * alone) and run.blow == 0
+
+
+def test_blows_far_apart_with_damping_are_blows_alone(handout):
+    """And N_static and velocity_change are those of one blow."""
+    calm = varied(handout, damping=0.02)  # the beam rings no longer than its mass
+    asked = {"C": [25.0], "model": "cosines", "horizon": 500.0}
+    trains = {"train": [BLOW]}, {"train": [BLOW, {"wait": 9000.0}, BLOW]}
+    pulse, alone, two = (
+        snapmap.threshold(calm, f0, pulse=push, **asked).squeeze()
+        for f0, push in (([2000.0], "half sine"), (None, trains[0]), (None, trains[1]))
+    )
+    for key in ("N_first", "N_error", "N_always", "t_snap"):
+        assert alone[key] == pulse[key]
+    assert abs(two.N_first - pulse.N_first) <= pulse.N_error + two.N_error
+    for key in ("N_static", "velocity_change"):
+        assert two[key].item() == pytest.approx(pulse[key].item(), rel=1e-9)
+    assert "blow" not in pulse and alone.blow == 1

@@ -12,50 +12,47 @@ from snapmap.solver.settings import Settings
 SNAP = Settings(horizon=1500.0, until="snap", repeat=False)
 
 
-OTHERS = [
-    ({"contact": np.inf}, 25.0),
-    ({"mass": 4e3, "spring": 9.0, "contact": 120.0}, 0.025),
-    ({"rise": 7.0, "thickness": 2.4, "span": 500.0}, 25.0),
-]
-
-
 def own_map(device, C):
     """40 x 40 cells about the device's own threshold; the amplitudes from a coarse first look."""
     f0 = np.geomspace(400, 2e4, 40)
     scan = np.geomspace(20, 2e5, 200)
-    cube = snapmap.sweep(device, N=scan, f0=f0[::13], C=[C], model="cosines", until="snap")
-    first = float(cube.N.where(cube.t_snap.notnull()).min())
+    cube = snapmap.sweep(device, scan, f0[::13], [C], model="cosines", until="snap")
+    first = cube.N.where(cube.t_snap.notnull()).min().item()
     F, N = np.meshgrid(f0, np.linspace(0.7, 2.5, 40) * first, indexing="ij")
     return to_cells(device, 0, N, F, C, SNAP.horizon)
 
 
-@pytest.mark.parametrize(("values", "C"), OTHERS)
+@pytest.mark.parametrize(
+    ("values", "C"),
+    [
+        ({"contact": np.inf}, 25.0),
+        ({"mass": 4e3, "spring": 9.0, "contact": 120.0}, 0.025),
+        ({"rise": 7.0, "thickness": 2.4, "span": 500.0}, 25.0),
+    ],
+)
 def test_safe_cells_agree_with_the_top_level(handout, values, C):
     device = varied(handout, **values)
-    adaptive = build_adaptive(device)
-    cells = own_map(device, C)
+    adaptive, cells = build_adaptive(device), own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
     check, top = (
-        np.isfinite(one.follow(cells, SNAP._replace(until=until)).t_snap)
-        for one, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
+        np.isfinite(level.follow(cells, SNAP._replace(until=until)).t_snap)
+        for level, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
     )
     wrong = np.isfinite(seen.t_snap) != top
-    assert 0.1 < top.mean() < 0.9
-    assert wrong[seen.agreed != DISPUTED].mean() <= 1e-3
-    assert not wrong[seen.level == 1].any()
-    assert (seen.level == 1).mean() < 0.35
+    assert 0.1 < top.mean() < 0.9 and wrong[seen.agreed != DISPUTED].mean() <= 1e-3
+    assert not wrong[seen.level == 1].any() and (seen.level == 1).mean() < 0.35
     np.testing.assert_array_equal(seen.agreed == DISPUTED, (seen.level == 1) & (check != top))
 
 
 @pytest.mark.parametrize("until", ["snap", "settled"])
 def test_labels_change_where_the_threshold_is(handout, until):
     """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
-    found = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
-    assert not found.ragged.any()
+    edges = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
+    assert not edges.ragged.any()
     share = 1e-3 * np.arange(-10.5, 10)
-    for f0, first in zip(found.f0.values, found.N_first.values.ravel(), strict=True):
-        grid = {"N": first * (1 + share), "f0": [f0], "C": [25.0]}
-        labels = snapmap.sweep(handout, **grid, until=until, repeat=False).t_snap
+    for f0, first in zip(edges.f0.values, edges.N_first.values.ravel(), strict=True):
+        grid = first * (1 + share), [f0], [25.0]
+        labels = snapmap.sweep(handout, *grid, until=until, repeat=False).t_snap
         far = abs(share) > labels.label_distance
         np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 

@@ -67,8 +67,8 @@ def compute(root, folder, processor, *names):
 def test_another_processor_changes_no_bit(root, tmp_path):
     """Its kernels are compiled afresh; here they may come from the cache."""
     cache, names = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}, ("cosines", "reference", "quality")
-    found = compute(root, tmp_path, HASWELL | cache, *names)
-    assert found == compute(root, tmp_path, {}, *names)
+    elsewhere = compute(root, tmp_path, HASWELL | cache, *names)
+    assert elsewhere == compute(root, tmp_path, {}, *names)
 
 
 @pytest.mark.long

@@ -10,7 +10,7 @@ def test_every_rule_names_the_code_that_it_runs(workflow_text):
     rules = re.split(r"^ *rule\b", workflow_text, flags=re.M)[1:]
     ran = [re.search(r"scripts/(\w+)\.py|-m (studies)", rule) for rule in rules]
     named = [re.search(r"code=(\w+)", rule) for rule in rules]
-    pairs = {(one[1] or one[2], code[1]) for one, code in zip(ran, named, strict=True) if one}
+    pairs = {(run[1] or run[2], code[1]) for run, code in zip(ran, named, strict=True) if run}
     assert pairs == {("jobs", "numbers"), ("studies", "studied"), ("draw", "drawing")}
 
 
@@ -23,8 +23,8 @@ def test_the_parts_are_the_package_without_its_command():
 
 def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
     (tmp_path / "inner").mkdir()
-    made = []
-    for name, text in (("a.py", "1"), ("a.py", "2"), ("inner/b.js", "2"), ("notes.txt", "3")):
+    made, edits = [], (("a.py", "1"), ("a.py", "2"), ("inner/b.js", "2"), ("notes.txt", "3"))
+    for name, text in edits:
         (tmp_path / name).write_text(text)
         made.append(code_hash(tmp_path))
     assert len(set(made)) == 3 and made[2] == made[3]

@@ -12,11 +12,8 @@ import xarray as xr
 from snapmap.files.atomic import seal
 from snapmap.solver.outcome import LATCHED, NEVER
 
-AXES = {
-    "C": np.linspace(0.5, 50, 100),
-    "f0": np.geomspace(100, 30e3, 1000),
-    "N": np.linspace(600, 2400, 1000),
-}
+AXES = {"C": np.linspace(0.5, 50, 100), "f0": np.geomspace(100, 30e3, 1000)}
+AXES |= {"N": np.linspace(600, 2400, 1000)}
 COLLECT = """
 import resource
 import sys

@@ -1,4 +1,4 @@
-"""Islands that cheap levels do not see: maps and thresholds against eleven cosines."""
+"""Islands that few runs or cheap levels might miss: against dense scans and eleven cosines."""
 
 import numpy as np
 import pytest
@@ -6,11 +6,12 @@ import pytest
 import snapmap
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import make_pulse
-from snapmap.solver.adaptive import UNCOMPARED
+from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import asker
+from snapmap.thresholds.search import Window, asker, scan
+from snapmap.thresholds.survey import CLEAN_REACH, CLOSE_PLACES, CLOSE_STEP, close_edges, lowest
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
 THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
@@ -20,6 +21,7 @@ TILTS = Beam(480.0, 9.0, 1.5, 15.0, 165e3, 2.33e-3, imperfection=0.01, free=1.0)
 TILTED = Device(TILTS, 6000.0, 2.0, 120.0, 9.81e-6)
 BACK = {"start": "second", "pulse": make_pulse("half sine"), "horizon": 616.0}
 THERE = {"start": "first", "pulse": make_pulse(), "horizon": 1500.0}
+TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
 
 
 @pytest.mark.parametrize(
@@ -27,29 +29,56 @@ THERE = {"start": "first", "pulse": make_pulse(), "horizon": 1500.0}
     [
         (MEASURED, 5e4, 139.7, BACK, np.linspace(185e3, 285e3, 21)),
         # Of 22 modes the kernel takes most of a minute to compile.
-        pytest.param(
-            *(TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)), marks=pytest.mark.long
-        ),
+        pytest.param(*TILTING, marks=pytest.mark.long),
     ],
 )
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
     rows = to_rows(0, f0, C, 0, [how["pulse"]])
     settings = Settings(how["horizon"], start=how["start"])
     eleven = build_model(batch([device]), "cosines", modes=11)
-    labels = [
-        np.isfinite(asker(eleven.with_step(step), rows, settings)(N[np.newaxis])[0])
-        for step in (1.0, 0.5)
-    ]
-    sure = labels[0] == labels[1]
-    changes = np.count_nonzero(np.diff(labels[0]))
-    assert changes >= 3 and sure.mean() > 0.6
+
+    def snaps(step, N):
+        return np.isfinite(asker(eleven.with_step(step), rows, settings)(N[np.newaxis])[0])
+
+    labels, finer_labels = (snaps(step, N) for step in (1.0, 0.5))
+    sure = labels == finer_labels
+    assert np.count_nonzero(np.diff(labels)) >= 3 and sure.mean() > 0.6
     cube = snapmap.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
-    np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[0][sure])
+    np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[sure])
     assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
 
-    found = snapmap.threshold(device, [f0], [C], **how).squeeze()
-    finer = np.geomspace(0.97, 1.02, 60) * found.N_first.item()
-    snapped = np.isfinite(asker(eleven.with_step(0.5), rows, settings)(finer[np.newaxis])[0])
-    first = finer[np.argmax(snapped)]
-    assert found.ragged and not snapped[0] and snapped.any()
-    assert abs(found.N_first - first) <= found.N_error < 0.02 * first
+    edges = snapmap.threshold(device, [f0], [C], **how).squeeze()
+    N = np.geomspace(0.97, 1.02, 60) * edges.N_first.item()
+    snapped = snaps(0.5, N)
+    first = N[np.argmax(snapped)]
+    assert edges.ragged and not snapped[0] and snapped.any()
+    assert abs(edges.N_first - first) <= edges.N_error < 0.02 * first
+
+
+class Counted:
+    """A model that counts the cells that it follows."""
+
+    def __init__(self, model):
+        self.model, self.device, self.count = model, model.device, 0
+
+    def follow(self, cells, settings):
+        self.count += cells.f0.size
+        return self.model.follow(cells, settings)
+
+
+def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
+    """Of fast pulses, under which labels of some rows change back and forth."""
+    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Settings()
+    f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
+    rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
+    N = lowest(models, rows, settings, 1e-4)
+    edges, begins, *_ = close_edges(counted, rows, settings, N / 1.0001, N)
+    window = Window(N / CLEAN_REACH, N * CLEAN_REACH, np.full(N.size, CLOSE_STEP))
+    dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
+    np.testing.assert_array_equal(begins, dense_begins)
+    seen, there = ([each.high[each.row == i] for i in range(N.size)] for each in (edges, dense))
+    for N_row, few, many in zip(N, seen, there, strict=True):
+        narrow = np.diff(np.sort(many)) < 2 * CLOSE_STEP * N_row
+        assert few.size > 1 or many.size == 1 or narrow.any()
+    assert 0 < sum(many.size > 1 for many in there) < N.size / 2
+    assert counted.count < N.size * 2 * CLOSE_PLACES[-1] / 2

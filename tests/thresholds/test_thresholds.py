@@ -1,54 +1,32 @@
 """Thresholds against hand-made answers, against the models' own sweeps, and their error bars."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from varied import varied
 
 import snapmap
-from snapmap.solver.cells import to_rows
+from snapmap.device.device import batch
+from snapmap.pulse.shocks import HANDOUT_SHOCK
+from snapmap.solver.adaptive import Survey
+from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.outcome import LATCHED, label
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import (
-    Seen,
-    Window,
-    amplitudes,
-    around,
-    asker,
-    joined,
-    near,
-    refine,
-    scan,
-    stretches,
-    walk,
-)
-from snapmap.thresholds.survey import (
-    CLEAN_REACH,
-    CLOSE_STEP,
-    RAGGED_REACH,
-    RAGGED_STEP,
-    decide,
-    find_islands,
-    first_seen,
-    island_limits,
-    scan_ragged,
-)
-from snapmap.thresholds.survey import distance as distance_to
+from snapmap.thresholds.search import amplitudes, asker, near, stretches, walk
+from snapmap.thresholds.settling import LONGER
+from snapmap.thresholds.survey import CLOSE_STEP, distance, find_changes, refine_edges
+
+CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 
 
-def told(snapped):
-    """t_snap for whatever snaps."""
-    return np.where(snapped, 1.0, np.nan)
-
-
-def test_refinement_finds_the_step_of_a_known_function():
-    exact = np.array([1.0, 2.5, 7.0])
-
-    def ask(N):
-        return told(exact[:, np.newaxis] <= N)
-
-    low, high = refine(ask, np.array([0.5, 2.0, 6.0]), np.array([1.5, 3.0, 8.0]), 1e-9)
-    assert (low < exact).all() and (exact <= high).all() and (high / low - 1 <= 1e-9).all()
+def test_amplitudes_reach_both_ends_in_even_steps():
+    N = amplitudes(np.array([1.0, 2.0, np.nan]), np.array([1.5, 2.0, 3.0]), 0.1)
+    assert N[0, 0] == 1.0 and np.nanmax(N[0]) == 1.5 and N[1, 0] == 2.0
+    ratios = N[0, 1:-1] / N[0, :-2]
+    np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
+    assert np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
 
 
 def test_the_place_on_a_grid_does_not_depend_on_the_guess():
@@ -64,128 +42,118 @@ def test_the_place_on_a_grid_does_not_depend_on_the_guess():
     assert walk(label, rows, 3, size, 10).tolist() == [3, 3, 23, 63, 64]
 
 
-def test_amplitudes_reach_both_ends_in_even_steps():
-    N = amplitudes(np.array([1.0, 2.0, np.nan]), np.array([1.5, 2.0, 3.0]), 0.1)
-    assert N[0, 0] == 1.0 and np.nanmax(N[0]) == 1.5
-    ratios = N[0, 1:-1] / N[0, :-2]
-    np.testing.assert_allclose(ratios[np.isfinite(ratios)], 1.1)
-    assert N[1, 0] == 2.0 and np.isnan(N[1, 1:]).all() and np.isnan(N[2]).all()
+class Snapping:
+    """A model of which all N in given stretches snap, but in rows of a strong damper."""
+
+    def __init__(self, device, ends):
+        self.device, self.ends = device, np.reshape(ends, (-1, 2))
+
+    def follow(self, cells, settings):
+        low, high = self.ends.T
+        N = cells.amplitude[:, np.newaxis] / self.device.gravity[0]
+        snaps = ((low <= N) & (high >= N)).any(axis=1) & (cells.damping < 50)
+        t_snap = np.where(snaps, 1.0, np.nan)
+        return no_observations(t_snap.shape)._replace(t_snap=t_snap, energy_error=0 * N[:, 0])
+
+    def with_step(self, factor):
+        return Snapping(self.device, SIMPLE)
 
 
-ISLANDS = np.array([[1.0, 1.02], [1.1, 1.2], [1.5, 9.0]])
+SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
 
 
-def surveyed(coarse, fine, highest=None):
-    """N_first, N_always and islands of one row and one that never snaps, for two given levels."""
-
-    def asking(level):
-        stretches = np.array([level, np.full((3, 2), np.inf)])
-
-        def ask(N, rows=slice(None)):
-            low, high = (stretches[rows][:, np.newaxis, :, end] for end in (0, 1))
-            return told(((low <= N[..., np.newaxis]) & (N[..., np.newaxis] <= high)).any(axis=2))
-
-        return ask
-
-    wide = np.tile(np.geomspace(0.1, 8.0, 200), (2, 1))
-    rough, _ = first_seen(asking(coarse), wide, np.full(2, 0.01))
-    limits = island_limits(rough, None, highest, np.zeros(2, bool))
-    window, ragged = find_islands(asking(coarse), limits)
-
-    def closely(low, high):
-        close = Window(low / CLEAN_REACH, high * CLEAN_REACH, np.full(low.size, CLOSE_STEP))
-        return Seen(*scan(asking(fine), close.N), close.low, close.high)
-
-    seen, clean = decide(asking(fine), closely, window, ragged)
-    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(~clean)
-    scanned, _ = scan_ragged(asking(fine), [asking(coarse)], window, seen.of(~clean))
-    edges, open_end = joined(seen.of(clean).edges, scanned.edges), ~clean & ~scanned.ends
-    row, *ends, rising = edges
-    low, high = refine(lambda N: asking(fine)(N, row), *ends, 1e-6, rising)
-    edges = edges._replace(low=low, high=high)
-    return stretches(edges, open_end)
-
-
-def test_islands_are_found_and_their_ends_refined():
-    N_first, N_always, (start, end) = surveyed(ISLANDS, ISLANDS)
-    np.testing.assert_allclose(N_first, [1.0, np.nan], rtol=2e-6)
-    np.testing.assert_allclose(N_always, [1.5, np.nan], rtol=2e-6)
-    np.testing.assert_allclose(start, [[1.0, 1.1], [np.nan] * 2], rtol=2e-6)
-    np.testing.assert_allclose(end, [[1.02, 1.2], [np.nan] * 2], rtol=2e-6)
-
-
-def test_the_deciding_level_looks_farther_where_the_scanning_one_was_wrong():
-    simple = np.array([[1.03, 9.0]] * 3)
-    double = np.array([[1.0, 1.02], [1.05, 9.0], [1.05, 9.0]])
-    N_first, N_always, (start, end) = surveyed(simple, double)
-    found = [N_first[0], N_always[0], start[0, 0], end[0, 0]]
-    np.testing.assert_allclose(found, [1.0, 1.05, 1.0, 1.02], rtol=2e-6)
-
-
-def test_islands_that_two_looks_see_are_told_once():
-    """The edge that is looked at closely lies at an end of the window of the cheapest level."""
-    simple = np.array([[1.0, 9.0]] * 3)
-    for ends in ([0.9965, 0.998, 1.015, 1.03, 1.032], [0.975, 0.977, 0.985, 1.001, 1.0015]):
-        fine = np.reshape([*ends, 9.0], (3, 2))
-        N_first, N_always, (start, end) = surveyed(simple, fine)
-        found = [N_first[0], N_always[0], *start[0], *end[0]]
-        exact = [ends[0], ends[4], ends[0], ends[2], ends[1], ends[3]]
-        np.testing.assert_allclose(found, exact, rtol=2e-6)
-
-
-def test_what_snaps_only_below_the_highest_amplitude_is_an_island():
-    closed = np.array([[1.0, 1.4]] * 3)
-    N_first, N_always, (start, end) = surveyed(closed, closed, highest=1.8)
-    np.testing.assert_allclose([N_first[0], start[0, 0], end[0, 0]], [1.0, 1.0, 1.4], rtol=2e-6)
-    assert np.isnan(N_always).all()
+@pytest.mark.parametrize(
+    ("scanned", "decided", "highest"),
+    [
+        (SIMPLE, SIMPLE, None),
+        (ISLANDS, ISLANDS, None),
+        # The model that decides looks farther where the scanning one was wrong.
+        ([1.03, 9.0], [1.0, 1.02, 1.05, 9.0], None),
+        (SIMPLE, [0.955, 1.01, 1.03, 9.0], None),
+        # The edge that is looked at closely lies at an end of the window of the cheap model.
+        (SIMPLE, [0.9965, 0.998, 1.015, 1.03, 1.032, 9.0], None),
+        (SIMPLE, [0.975, 0.977, 0.985, 1.001, 1.0015, 9.0], None),
+        ([1.0, 1.4], [1.0, 1.4], 1.8),
+    ],
+)
+def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided, highest):
+    device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
+    scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
+    models, bound = Survey(scans, decides, decides, (scans,), None, np.ones(1)), np.full(2, 0.01)
+    changes = find_changes(models, rows, Settings(), 1e-6, highest, bound)
+    edges = refine_edges(decides, rows, Settings(), 1e-6, changes.edges, changes.ragged)
+    N_first, N_always, islands = stretches(edges, changes.is_open)
+    always = decided[-2] if highest is None else np.nan
+    np.testing.assert_allclose(N_first, [decided[0], np.nan], rtol=2e-6)
+    np.testing.assert_allclose(N_always, [always, np.nan], rtol=2e-6)
+    below = np.reshape(decided, (-1, 2))[: -1 if highest is None else None]
+    np.testing.assert_allclose(np.transpose(islands)[:, 0], below, rtol=2e-6)
+    assert np.isnan(np.transpose(islands)[:, 1]).all()
 
 
 def test_the_distance_to_another_level_is_bracketed():
-    exact = np.array([[1.003], [0.9], [3.0]])
-    N_first = np.array([1.0, 1.0, np.nan])
-    distance = distance_to(lambda N: told(exact <= N), N_first, 1e-4)
-    assert 0.003 <= distance[0] <= 0.007 and 0.1 <= distance[1] <= 0.21 and np.isnan(distance[2])
-    assert distance_to(lambda N: told(N > 9), N_first[:1], 1e-4) == np.inf
+    exact, N_first = np.array([[1.003], [0.9], [3.0]]), np.array([1.0, 1.0, np.nan])
+    apart = distance(lambda N: np.where(exact <= N, 1.0, np.nan), N_first, 1e-4)
+    assert 0.003 <= apart[0] <= 0.007 and 0.1 <= apart[1] <= 0.21 and np.isnan(apart[2])
+    assert distance(lambda N: np.where(N > 9, 1.0, np.nan), N_first[:1], 1e-4) == np.inf
 
 
 def test_thresholds_lie_within_their_error_bars(handout, fix_step):
     """On two devices: `auto` against a converged model, and the error bar against the truth."""
-    stiff = dataclasses.replace(handout, mass=5e3, spring=8.0, contact=np.inf)
+    stiff = replace(handout, mass=5e3, spring=8.0, contact=np.inf)
     rows = {"f0": [400.0, 1500.0], "C": [25.0], "horizon": 300.0}
     usual = [snapmap.threshold(device, **rows) for device in (handout, stiff)]
     fix_step(0.15)
-    for device, found in zip((handout, stiff), usual, strict=True):
+    for device, edges in zip((handout, stiff), usual, strict=True):
         fine = snapmap.threshold(device, **rows, model="cosines", modes=11)
-        error = abs(found.N_first - fine.N_first)
-        assert (error <= found.N_error + fine.N_error).all()
+        error = abs(edges.N_first - fine.N_first)
+        assert (error <= edges.N_error + fine.N_error).all()
         assert (error <= 5e-4 * fine.N_first).all()
-        assert (found.N_always == found.N_first).all() and not found.islands.any()
+        assert (edges.N_always == edges.N_first).all() and not edges.islands.any()
 
 
 def test_narrow_islands_below_a_threshold_are_seen(handout):
     """At 11 kHz labels change five times within 0.5 %, as finer steps see them one by one."""
-    found = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
+    edges = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
     fine = build_model(handout, "cosines", modes=5).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
     ask = asker(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0))
     snapped = np.isfinite(ask(N))
-    assert np.count_nonzero(np.diff(snapped)) > 1 and found.ragged and found.islands > 0
+    assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
-    assert abs(first - found.N_first) <= found.N_error
-    assert abs(last - found.N_always) <= found.N_error
+    assert abs(first - edges.N_first) <= edges.N_error
+    assert abs(last - edges.N_always) <= edges.N_error
 
 
 def test_a_threshold_is_where_the_sweep_changes(handout):
-    found = snapmap.threshold(handout, f0=[1500.0], C=[0.025], model="elements", horizon=300.0)
-    N = float(found.N_first.squeeze())
-    assert pytest.approx(984.73, abs=0.1) == N
     asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "elements"}
+    N = snapmap.threshold(handout, **asked).N_first.item()
+    assert pytest.approx(984.73, abs=0.1) == N
     cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 
 
 def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
-    asked = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
     with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
-        close = snapmap.threshold(handout, **asked, tolerance=1e-5)
+        close = snapmap.threshold(handout, **CHEAP, tolerance=1e-5)
     assert close.N_error.item() > 2e-5 * close.N_first.item()
+
+
+def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
+    """And a damped beam latches wherever it snaps."""
+    f0, C = [400.0, 1500.0, 9000.0], [25.0, 200.0]
+    ringing, damped = (varied(handout, damping=damping) for damping in (5e-4, 1e-2))
+    edges = snapmap.threshold(ringing, f0, C, model="cosines", horizon=1500.0)
+    lowest, highest = edges.N_latched.values.ravel(), 2 * edges.N_first.values.ravel()
+    latching = np.isfinite(lowest)
+    assert latching.any() and not latching.all()
+    model, settings = build_model(batch([ringing]), "cosines"), Settings(1500.0)
+    rows = to_rows(0, np.tile(f0, 2), np.repeat(C, 3), 0, HANDOUT_SHOCK.pulses)
+    N = np.column_stack([lowest, highest])[latching]
+    for factor in (1.0, LONGER):
+        cells = rows.take(latching).cells(model.device, N, 1500.0)
+        seen = model.with_step(factor).follow(cells, settings)
+        latches = label(*seen[:4], settings.energy_tolerance) == LATCHED
+        assert latches[:, 1].all() and (factor > 1 or latches.all())
+    edges = snapmap.threshold(damped, f0[:2], C, model="cosines")
+    np.testing.assert_array_equal(edges.N_latched, edges.N_first)

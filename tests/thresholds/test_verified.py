@@ -13,6 +13,7 @@ from snapmap.thresholds import surface
 from snapmap.thresholds.search import nearby
 from snapmap.thresholds.verified import Expected, fill
 
+ASKED = {"C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]
 
 
@@ -35,15 +36,11 @@ def filled(N, clean, near=1e-3):
     return searched, verified
 
 
-def test_a_cubic_is_expected_as_it_is():
+def test_a_cubic_is_expected_as_it_is_and_only_what_departs_from_one_is_searched():
     x, y = np.meshgrid(*AXES, indexing="ij")
     N = 5 + x * x * x - x * y + 2 * y * y * y
     searched, _ = filled(N, np.ones(N.shape, bool), near=1e-12)
     assert len(searched) == 5 * 4
-
-
-def test_unclean_rows_and_those_beyond_a_jump_are_searched():
-    x, y = np.meshgrid(*AXES, indexing="ij")
     unclean = np.hypot(x - 1.0, y + 1.0) < 0.5
     jump = np.where(x + y > 3.2, 1.1, 1.0)
     searched, verified = filled(jump * (5 + x * y), ~unclean)
@@ -53,23 +50,22 @@ def test_unclean_rows_and_those_beyond_a_jump_are_searched():
 
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     model = build_model(handout, "cosines", modes=3)
-    rows, settings = to_rows(0, 1000.0, np.full(4, 25.0)), Settings(300.0)
-    known = snapmap.threshold(handout, [1000.0], [25.0], model="cosines", modes=3, horizon=300.0)
+    rows = to_rows(0, 1000.0, np.full(4, 25.0))
+    known = snapmap.threshold(handout, [1000.0], **ASKED)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = nearby(model, rows, settings, guess, 1e-4)
-    assert N[0] == N[1] == N[2] and np.isnan(N[3])
-    assert N[0] == pytest.approx(known.N_first.item(), rel=1e-4)
+    _, N = nearby(model, rows, Settings(300.0), guess, 1e-4)
+    assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
+    assert np.isnan(N[3])
 
 
 def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     """Each by itself is searched; bytes do not depend on blocks."""
-    asked = {"f0": [700.0, 9e3], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
-    thickness = linear(1.9, 2.1, 9)
-    whole = snapmap.threshold(handout, **asked, thickness=thickness)
-    half = snapmap.threshold(handout, **asked, thickness=thickness[::2])
+    f0, thickness = [700.0, 9e3], linear(1.9, 2.1, 9)
+    whole = snapmap.threshold(handout, f0, **ASKED, thickness=thickness)
+    half = snapmap.threshold(handout, f0, **ASKED, thickness=thickness[::2])
     assert whole.verified.sum() > 4 and not half.verified.any()
-    for one, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
-        apart = abs(one.N_first - other.N_first.sel(thickness=one.thickness[:5:2]))
-        assert (apart <= one.N_error).all()
+    for each, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
+        apart = abs(each.N_first - other.N_first.sel(thickness=each.thickness[:5:2]))
+        assert (apart <= each.N_error).all()
     monkeypatch.setattr(surface, "ROWS", 1)
-    xr.testing.assert_identical(snapmap.threshold(handout, **asked, thickness=thickness), whole)
+    xr.testing.assert_identical(snapmap.threshold(handout, f0, **ASKED, thickness=thickness), whole)

@@ -1,5 +1,8 @@
-"""What other tools and notebooks are given: tables, outcomes in words, an installed package."""
+"""Files: held by one run at a time, complete in a package, and as tools and notebooks read them."""
 
+import errno
+import fcntl
+import os
 import tomllib
 from fnmatch import fnmatch
 
@@ -7,6 +10,7 @@ import numpy as np
 import pytest
 
 import snapmap
+from snapmap.files.atomic import hold
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.rows import tidy
@@ -15,14 +19,14 @@ CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 
 
 def test_each_threshold_is_a_row(handout):
-    found = snapmap.threshold(handout, [500.0, 1500.0], [25.0], thickness=[1.9, 2.0], **CHEAP)
-    table = tidy(found)
+    edges = snapmap.threshold(handout, [500.0, 1500.0], [25.0], thickness=[1.9, 2.0], **CHEAP)
+    table = tidy(edges)
     assert [*table.columns[:4]] == ["thickness", "C", "f0", "duration_ms"]
     assert len(table) == 4 and "island_from" not in table
     for _, row in table.iterrows():
-        one = found.sel(thickness=row.thickness, C=row.C, f0=row.f0)
-        assert row.N_first == one.N_first.item() and row.N_error == one.N_error.item()
-        assert row.N_static == one.N_static.item() and row.duration_ms == 1e3 / row.f0
+        there = edges.sel(thickness=row.thickness, C=row.C, f0=row.f0)
+        assert all(row[key] == there[key] for key in ("N_first", "N_error", "N_static"))
+        assert row.duration_ms == 1e3 / row.f0
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +41,9 @@ def test_an_opened_cube_has_outcomes_in_words(cube, tmp_path):
     assert (opened.outcome == np.array(OUTCOMES)[cube.outcome.values]).all()
     with pytest.raises(ValueError, match=r"none\.nc' is not the path of a file"):
         snapmap.open_cube(tmp_path / "none.nc")
-    held = bytearray((tmp_path / "cube.nc").read_bytes())
-    for place in (0, 50, len(held) // 2, len(held) - 1):
-        (tmp_path / "bad.nc").write_bytes(
-            held[:place] + bytes([held[place] ^ 1]) + held[place + 1 :]
-        )
+    whole = (tmp_path / "cube.nc").read_bytes()
+    for at in (0, 50, len(whole) // 2, len(whole) - 1):
+        (tmp_path / "bad.nc").write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
         with pytest.raises(ValueError, match=r"bad\.nc: is damaged; take another copy"):
             snapmap.open_cube(tmp_path / "bad.nc")
 
@@ -51,11 +53,11 @@ def test_a_plot_of_an_opened_cube_is_that_of_a_new_one(cube, tmp_path):
         snapmap.plot_outcome(cube)
     write(cube, tmp_path / "cube.nc")
     both = cube.isel(C=0), snapmap.open_cube(tmp_path / "cube.nc").isel(C=0)
-    drawn = [
-        [(one.get_facecolor(), one.get_path().vertices.tolist()) for one in ax.patches]
+    new, opened = (
+        [(patch.get_facecolor(), patch.get_path().vertices.tolist()) for patch in ax.patches]
         for ax in map(snapmap.plot_outcome, both)
-    ]
-    assert drawn[0] == drawn[1]
+    )
+    assert new == opened
 
 
 def test_the_installed_package_has_all_its_files(root):
@@ -64,4 +66,19 @@ def test_the_installed_package_has_all_its_files(root):
     package = root / "workflow" / "scripts" / "snapmap"
     for path in package.rglob("*"):
         if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc"):
-            assert any(fnmatch(path.name, one) for one in patterns["*"]), path
+            assert any(fnmatch(path.name, pattern) for pattern in patterns["*"]), path
+
+
+def test_a_file_is_held_once(tmp_path):
+    assert hold(tmp_path / "running") == ""
+    with pytest.raises(BlockingIOError):
+        hold(tmp_path / "running")
+
+
+@pytest.mark.parametrize("code", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_file_system_without_locks_is_named(tmp_path, monkeypatch, code):
+    def flock(*_):
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    assert hold(tmp_path / "running") == os.strerror(code)

@@ -1,0 +1,184 @@
+"""Limits of thresholds: bounds by energy, statics, slow pulses, and where nothing snaps at all."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from varied import varied
+
+import snapmap
+from snapmap.beam.limit_loads import static_threshold
+from snapmap.device.device import batch
+from snapmap.pulse.pulse import make_pulse, sampled
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Settings
+from snapmap.thresholds.rows import tidy
+from snapmap.thresholds.slow import HEAVY, growth_rate, slow_factor
+from snapmap.thresholds.surface import summary
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
+
+
+def compliance(device):
+    """Of the mass on its spring and of the beam under their own loads, by handbooks."""
+    beam = device.beam
+    sag = beam.weight**2 * beam.span**3 / (720 * beam.bending_stiffness)
+    return device.mass**2 / device.spring + sag
+
+
+@pytest.mark.parametrize(
+    ("change", "N", "f0", "C", "shape", "direction"),
+    [
+        ({"spring": 0.1}, 80, 1000.0, 0.0, "versed sine", "-z"),
+        ({"spring": 0.1, "gap": 30.0}, 150, 500.0, 0.5, "trapezoid", "+z"),
+        ({}, 900, 1500.0, 0.025, "half sine", "+z"),
+        ({}, 700, 300.0, 25.0, "sawtooth", "-z"),
+        ({"mass": 30.0}, 20000, 5000.0, 0.0, "sawtooth", "+z"),
+    ],
+)
+def test_no_run_has_more_energy_than_its_pulse_gives(handout, change, N, f0, C, shape, direction):
+    """Held against histories."""
+    device = replace(handout, **change)
+    asked = {"horizon": 500.0, "pulse": shape, "direction": direction, "modes": 5}
+    run = snapmap.simulate(device, N, f0, C, "cosines", **asked)
+    parts = ("kinetic", "spring", "bending", "axial", "contact")
+    energy = sum(run[f"{part}_energy"] for part in parts).values
+    # Until it snaps, as the bounds are asked for no longer.
+    energy = energy[: 1 + np.argmax(np.append(run.w_mid.values < 0, True))]
+    pulse = make_pulse(shape)
+    speed = N * device.gravity * pulse.gross_area / (1e-6 * f0)
+    by_impulse = (device.mass + device.beam.weight) * speed**2 / 2
+    by_sag = 2 * compliance(device) * (N * device.gravity * pulse.variation) ** 2
+    assert 0 < energy.max() <= 1.001 * min(by_impulse, by_sag)
+
+
+@pytest.mark.parametrize("tilts_out", [False, True])
+def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
+    """486.805 pJ; without a saddle those of a straight beam bent as far. Both are closed forms."""
+    device, energy, beam = handout, 486.805, handout.beam
+    if tilts_out:
+        device = varied(handout, free=1.0, imperfection=1e-6)
+        energy = 192 * beam.stiffness_unit * (beam.rise - beam.second_equilibrium) ** 2 / 2
+    model = build_model(batch([device]), "cosines", modes=18)
+    assert (model.barrier.energy.item() == 0) == tilts_out
+    slow, fast = least_amplitudes(model, to_rows(0, [10.0, 1e5], 25.0))
+    by_sag = np.sqrt(energy / 2 / compliance(handout)) / 2 / handout.gravity
+    assert slow == pytest.approx(by_sag, rel=1e-5)
+    speed = np.sqrt(2 * energy / (handout.mass + beam.weight))
+    assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("spring", "pulse", "independent"), [(0.1, "versed sine", 77.76), (0.5, "half sine", 228.4)]
+)
+def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, spring, pulse, independent):
+    """Thresholds of a code of others; half a unit of their last digit."""
+    asked = {"C": [0.5], "horizon": 6000.0, "direction": "-z", "pulse": pulse}
+    edge = snapmap.threshold(replace(handout, spring=spring), [1000.0], **asked)
+    assert edge.status == FOUND and abs(edge.N_first - independent) <= edge.N_error + 0.05
+    assert edge.N_bound < edge.N_first < 0.25 * static_threshold(handout)
+
+
+def test_a_beam_that_leaves_a_mass_at_its_stop_snaps_far_below_the_statics(handout):
+    """20 elements snap at 10 000, and do not in steps of 50 from 9700 on."""
+    device = replace(handout, stop_toward=10.0, stop_away=6.0)
+    edge = snapmap.threshold(device, f0=[1500.0], C=[25.0])
+    assert abs(edge.N_first - 1e4) <= edge.N_error and edge.N_first < edge.N_static / 3
+
+
+def test_a_threshold_that_is_not_there_has_its_reason(handout):
+    """Pulses that pull slowly, ordinary ones, and those too short for any step."""
+    asked = {"C": [25.0], "horizon": 100.0, "model": "cosines", "modes": 3}
+    back = snapmap.threshold(handout, [50.0], direction="-z", **asked)
+    there = snapmap.threshold(handout, [1500.0, 1e12], **asked).squeeze("C")
+    assert back.status == NOTHING_SNAPS and back.N_looked > 4 * static_threshold(handout)
+    assert there.status.values.tolist() == [FOUND, NOT_FOLLOWED]
+    assert np.isfinite(there.N_first).values.tolist() == [True, False]
+    assert tidy(there).status.tolist() == ["found", "not_followed"]
+    assert summary(there).endswith("; not followed in 1")
+    assert summary(back).endswith("; nothing snaps in 1")
+    first, row = there.N_first[0].item(), there.isel(f0=[0])
+    for low, high, side in (first + 1, 2 * first, "above"), (0.5 * first, first - 1, "below"):
+        line = f"; the grid lies wholly {side} the threshold"
+        assert summary(row, low, high).endswith(line)
+        assert "grid" not in summary(row, low - first, high + first)
+
+
+def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):
+    """At 1e8 Hz only its shorter steps follow the pulse, which is as good as a jump in velocity."""
+    edges = snapmap.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
+    change = edges.N_first * handout.gravity * 0.5 / 100.0
+    assert change.item() == pytest.approx(edges.velocity_change.item(), rel=0.01)
+
+
+def test_a_gap_that_the_mass_does_not_cross_leaves_the_beam_alone(handout):
+    alone = static_threshold(replace(handout, mass=1e-5))
+    assert static_threshold(replace(handout, gap=1e4)) == alone
+    # At that acceleration the mass has gone as far as its spring lets it, M a / K.
+    reach = handout.mass * alone * handout.gravity / handout.spring
+    assert static_threshold(replace(handout, gap=1.1 * reach)) == alone
+    assert static_threshold(replace(handout, gap=0.5 * reach)) < alone
+
+
+def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
+    """It swings hundreds of times in a step, and the ledger closes all the same."""
+    light = replace(handout, mass=1e-5)
+    model = build_model(light, "cosines", modes=3)
+    assert model.steps.pressed > 100 * np.sqrt(light.mass / light.spring)
+    cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
+    assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
+
+
+SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])
+
+
+def test_the_handouts_mass_departs_in_68_us(handout):
+    """From kappa = 1/(1/s - 1/lambda) - K, s = 64 pi^2 EI/L^3; and damped it departs slower."""
+    s = 64 * math.pi**2 * 2.2e6 / 600**3
+    for contact, kappa in ((40.0, 2.166601), (math.inf, 0.93352)):
+        assert 1 / (1 / s - 1 / contact) - 5.5 == pytest.approx(kappa, rel=1e-6)
+        for C in (0.0, 0.025, 25.0, 1e4):
+            sigma = growth_rate(varied(handout, contact=contact), C)
+            assert 1e4 * sigma**2 + C * sigma == pytest.approx(kappa, rel=1e-6)
+    assert growth_rate(handout, 0.0) == pytest.approx(0.0147194, rel=1e-5)
+    assert 2 / growth_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
+
+
+def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvature():
+    """I = (1 - cos(2 pi x + b) cos b)/2 with tan b = 2 pi f0/sigma, until the pulse ends."""
+    factor = slow_factor(make_pulse(), SWINGS)
+    closed = 1 + np.tan(np.arctan(2 * np.pi / SWINGS) / 2) ** 2
+    np.testing.assert_allclose(factor[:3], closed[:3], rtol=2e-7)
+    for shape, bend in ("versed sine", 2 * np.pi**2), ("half sine", np.pi**2):
+        excess = slow_factor(make_pulse(shape), SWINGS)[1] - 1
+        assert excess == pytest.approx(bend / 2 / SWINGS[1] ** 2, rel=2e-3)
+    x = np.linspace(0, 1, 2001)
+    record = sampled(1e4 * x, make_pulse().at(x))
+    np.testing.assert_allclose(slow_factor(record, SWINGS), factor, rtol=1e-6)
+    twice = sampled(1e4 * x, 0.5 * make_pulse().at(2 * x) + make_pulse().at(2 * x - 1))
+    np.testing.assert_allclose(slow_factor(twice, 2 * SWINGS), factor, rtol=1e-5)
+    assert slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(np.ones(2), abs=1e-12)
+    for pulse in (make_pulse("sawtooth"), make_pulse().reversed()):
+        assert np.isnan(slow_factor(pulse, SWINGS)).all()
+
+
+def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
+    f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
+    edges = snapmap.threshold(handout, f0, C, model="cosines", modes=3, tolerance=1e-5)
+    np.testing.assert_allclose(edges.N_slow, edges.N_first, rtol=1e-3)
+    assert edges.dwell.values.tolist() == [2 / growth_rate(handout, c) for c in C]
+    # N_static of the exact beam is 2e-4 above that of three cosines.
+    rise = (math.pi * 1e-6 / growth_rate(handout, 0.025)) ** 2 * 37500
+    for N in (edges.N_first, edges.N_slow):
+        assert (N[0, 2] - N[0, 0]) / edges.N_static == pytest.approx(rise, rel=0.04)
+
+
+def test_what_has_no_corner_has_no_dwell(handout):
+    light, tilts = {"mass": 0.99 * HEAVY * handout.beam.weight}, {"free": 1.0, "imperfection": 0.1}
+    none = [{"spring": 8.0}, {"contact": 6.0}, light, {"gap": 1.0}, {"stop_toward": 6.0}, tilts]
+    none += [{"cosine_2": 0.01}]  # 8 uN/um are as stiff as the falling beam
+    assert np.isnan([growth_rate(varied(handout, **values), 0.025) for values in none]).all()
+    for values in ({"stop_toward": 60.0, "stop_away": 5.0}, {"residual_stress": -3.0}):
+        assert growth_rate(varied(handout, **values), 0.025) == growth_rate(handout, 0.025)
