@@ -1,5 +1,7 @@
 """Shock response spectra against another code, records that meet one, and what they trip."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pyyeti import srs as reference
@@ -16,7 +18,6 @@ from snapmap.applications.spectra.srs import (
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.verdicts import check_spectra
 from snapmap.solver.settings import Settings
-from snapmap.study.study import Study
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 
@@ -30,20 +31,19 @@ def samples(drawn):
 def test_the_spectrum_of_a_half_sine_is_that_of_another_code():
     f = np.array([200.0, 1600.0, 20_000.0])
     half_sine = np.sin(np.pi * np.linspace(0, 1, 4001))
-    how = {"ic": "zero", "time": "total", "parallel": "no"}
-    expected = reference.srs(half_sine, 8e6, f, 10, **how)
-    found = response(half_sine, 1 / 8e6, f)
-    np.testing.assert_allclose(found, expected, rtol=1e-3)
-    assert found[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
+    expected = reference.srs(half_sine, 8e6, f, 10, ic="zero", time="total", parallel="no")
+    spectrum = response(half_sine, 1 / 8e6, f)
+    np.testing.assert_allclose(spectrum, expected, rtol=1e-3)
+    assert spectrum[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
 
 
 def test_a_record_meets_its_spectrum_as_another_code_sees_it():
     f = frequencies(100.0, 4000.0)
     assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
     drawn = record(check_points(CRASH), [1, 0])
-    a, rate = samples(drawn)
-    found = reference.srs(a, rate, f, 10, ic="zero", ppc=2, rolloff="none", parallel="no")
-    deviation = 20 * np.log10(found / level(CRASH, f))
+    how = {"ic": "zero", "ppc": 2, "rolloff": "none", "parallel": "no"}
+    spectrum = reference.srs(*samples(drawn), f, 10, **how)
+    deviation = 20 * np.log10(spectrum / level(CRASH, f))
     np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
     assert abs(deviation).max() < BAND / 2 and deviation.std() < 1.5
     assert drawn.pulse.duration < 1e6 * 11 / 100
@@ -56,21 +56,20 @@ def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
     assert first.pulse.duration != other.pulse.duration
 
 
-def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout):
-    levels, model = [(400.0, 700.0), (4000.0, 1500.0)], {"name": "cosines", "cosines": 3}
-    found = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=model)
-    snaps = found.snaps.values[0].sum(axis=0)
-    quiet, first = FACTORS[np.argmax(snaps > 0) - 1], FACTORS[np.argmax(snaps > 0)]
-    last, sure = (FACTORS[len(snaps) - 1 - np.argmax(snaps[::-1] < 2) + up] for up in (0, 1))
-    study = Study(device=handout, model=model, settings=Settings(horizon=0.0))
+def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout, study):
+    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, settings=Settings(0.0))
+    trips = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
+    snaps = trips.snaps.values[0].sum(axis=0)
+    first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)
     asked = [
         {"name": f"{by:g}", "srs": np.array(levels) * [1, by], "direction": "+z", "snaps": must}
         for by in (1.0, 0.25, 4.0)
         for must in (False, True)
     ]
     rows = check_spectra(study, asked, [25.0], records=2)
-    for row, (low, high) in zip(rows, [(quiet, first), (last, sure)], strict=False):
-        assert (row.N_first - row.N_error, row.N_first + row.N_error) == (low, high)
+    for row, end in zip(rows, (first, last + 1), strict=False):
+        bar = row.N_first - row.N_error, row.N_first + row.N_error
+        assert bar == (FACTORS[end - 1], FACTORS[end])
         assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
