@@ -1,7 +1,5 @@
 """The work of the pulse: what it is, and by how much it differs with another step."""
 
-import math
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -148,17 +146,11 @@ def curves_of(history):
 
 
 @pytest.mark.usefixtures("paper")
-def test_a_figure_has_the_history_in_ms_and_multiples_of_g_and_marks_the_snap():
-    time, snap = [0.0, 0.01, 0.02, 0.03], [[0.0225, 0], [0.0225, 1]]
-    positions, force, shock = curves_of(make_history(10, 0, -8, -12))
-    over_time = lambda *values: [list(point) for point in zip(time, values, strict=True)]  # noqa: E731
-    beam, mass, second = over_time(10, 0, -8, -12), over_time(11, 1, -7, -11), [[0, -9], [1, -9]]
-    assert positions == [beam, mass, second, snap, [[0.0225, -9.0]]]
-    assert force == [over_time(0, 0, 0, 0), snap]
-    assert np.allclose(shock[0], over_time(*[2000] * 4)) and shock[1:] == [snap]
-    assert [len(curves) for curves in curves_of(make_history(10, 5, 10))] == [3, 1, 1]
-
-
-def test_the_time_of_snap_lies_between_two_samples_or_is_not_seen():
-    assert figure.snap_time(make_history(10, 0, -8, -12, -5, -12)) == 22.5
-    assert math.isnan(figure.snap_time(make_history(10, 0, -8.9)))
+def test_a_figure_has_the_history_in_ms_and_multiples_of_g_and_marks_the_first_snap_if_seen():
+    time, w = 0.01 * np.arange(6), [10, 0, -8, -12, -5, -12]
+    (beam, mass, *lines), (force, *of_force), (shock, *of_shock) = curves_of(make_history(*w))
+    for curve, values in ((beam, w), (mass, np.add(w, 1)), (force, 0 * time), (shock, 2000)):
+        np.testing.assert_allclose(curve, np.transpose(np.broadcast_arrays(time, values)))
+    snap = [[0.0225, 0], [0.0225, 1]]
+    assert lines == [[[0, -9], [1, -9]], snap, [[0.0225, -9.0]]] and of_force == of_shock == [snap]
+    assert [len(curves) for curves in curves_of(make_history(10, 0, -8.9))] == [3, 1, 1]

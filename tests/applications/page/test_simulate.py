@@ -22,8 +22,8 @@ AFTER = 50.0
 """us after a snap, for which runs agree to 1e-6; then the ringing beam makes much of rounding."""
 RUN = """({ names, limits, rows, pulses, cells, side, horizon }) => cells.map((cell) => {
     const form = formOf(names, Float64Array.from(rows[cell.device]));
-    const given = pulses[cell.pulse];
-    const pulse = { ...given, pieces: Float64Array.from(given.pieces) };
+    const known = pulses[cell.pulse];
+    const pulse = { ...known, pieces: Float64Array.from(known.pieces) };
     const dt = stepOf(form, pulse, cell, limits);
     const course = follow(form, pulse, cell, horizon, side, dt);
     for (;;) {
