@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import root
-from small_results import ATTRIBUTES, drawn
+from small_results import drawn
 from varied import alone, varied
 
 import snapmap
@@ -180,22 +179,15 @@ def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
 
 
 @pytest.mark.usefixtures("paper")
-def test_figures_have_force_and_energy_over_the_way_and_mark_wells_and_saddle():
-    """A force that rises to 70, falls through the saddle at 12 um to -30, and rises again."""
-    way, axes = [0.0, 2.0, 12.0, 18.0, 19.0, 20.0], ("branch", "point")
-    force = [[0.0, 70.0, 0.0, -30.0, 0.0, 40.0], [0.0, 70.0, 90.0, -30.0, 0.0, 40.0]]
-    energy = [[0.0, 70.0, 490.0, 400.0, 385.0, 405.0], [0.0, 70.0, 800.0, 400.0, 385.0, 405.0]]
-    attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
-    attributes |= {"largest_force": 70.0, "least_force": -30.0} | ATTRIBUTES
-    variables = {"displacement": (axes, [way, way]), "force": (axes, force)}
-    variables["energy"] = axes, energy
-    statics = xr.Dataset(variables, {"branch": ["guided", "unbranched"]}, attributes)
-    for draw, values, heights in (
-        (figure.draw_force_displacement, force, [0.0, 0.0, 0.0]),
-        (figure.draw_energy, energy, [0.0, 490.0, 385.0]),
+def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the_saddle(path):
+    second, saddle = 10 - path.second_equilibrium, 10 - path.saddle
+    for draw, key, heights in (
+        (figure.draw_force_displacement, "force", (0, 0, 0)),
+        (figure.draw_energy, "energy", (0, 385.962, 486.805)),
     ):
-        unbranched, followed, *marks = (
-            line.get_xydata().T.tolist() for line in drawn(draw, statics).lines
-        )
-        assert (followed, unbranched) == ([way, values[0]], [way, values[1]])
-        assert marks[:2] == [[[0.0, 19.0], heights[::2]], [[12.0], heights[1:2]]]
+        *paths, stable, unstable = (line.get_xydata().T for line in drawn(draw, path).lines[:4])
+        for branch, points in zip(("unbranched", "guided"), paths, strict=True):
+            expected = path.sel(branch=branch)
+            np.testing.assert_array_equal(points, [expected.displacement, expected[key]])
+        np.testing.assert_allclose(stable, [[0, second], heights[:2]], rtol=1e-4)
+        np.testing.assert_allclose(unstable, [[saddle], heights[2:]], rtol=1e-4)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 from scipy import stats
-from small_results import ATTRIBUTES, F0, artists, drawn
+from small_results import artists, drawn
 from varied import varied
 
 import snapmap
@@ -155,15 +155,23 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
     assert (low <= share).all() and (share <= high).all()
 
 
-def test_samples_without_a_second_shape_count_and_never_snap(handout):
-    thin = varied(handout, rise=5.0)
-    asked = {"thickness": {"uniform": "25 %"}}, [1500.0], [25.0]
-    made = snapmap.tolerance(thin, *asked, samples=128, **CHEAP)
-    lost = made.thickness > 5 * np.sqrt(3) / 4
-    np.testing.assert_array_equal(made.bistable == 0, lost)
+@pytest.fixture(scope="module")
+def scattered(handout):
+    """Devices of which some have no second shape, and a shock that about half of them withstand."""
+    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True, "shocks": make_shocks()}
+    how = {"samples": 128, "requirements": [drop]} | CHEAP
+    scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
+    f0 = [800.0, 1500.0, 3000.0]
+    return snapmap.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
+
+
+def test_samples_without_a_second_shape_count_and_never_snap(scattered):
+    lost = scattered.thickness > 5 * np.sqrt(3) / 4
+    np.testing.assert_array_equal(scattered.bistable == 0, lost)
     assert 0.1 < lost.mean() < 0.5
-    assert made.N_first.squeeze().isnull().where(lost, False).sum() == lost.sum()
-    assert made.probability.max() == pytest.approx(1 - lost.mean().item())
+    snaps = scattered.N_first.notnull()
+    assert not (snaps & lost).any() and (snaps | lost).all()
+    assert scattered.probability.max() == pytest.approx(1 - lost.mean().item())
 
 
 @pytest.mark.usefixtures("paper")
@@ -230,55 +238,36 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     np.testing.assert_array_equal(stress[0], stress[1])
 
 
-def make_batch(f0=F0):
-    """Thresholds of four devices under one damper, of which one never snaps."""
-    N_first = np.array([900.0, 1000.0, 1100.0, np.nan])[:, np.newaxis, np.newaxis]
-    N_first, of_f0, N = N_first + np.arange(f0.size), ("C", "f0"), np.linspace(800, 1200, 9)
-    share = np.mean(N_first[..., np.newaxis] <= N, axis=0)
-    index = np.broadcast_to([[[[0.9]], [[0.1]]]] * 2, (2, 2, 1, f0.size))
-    variables = {
-        "N_first": (("sample", *of_f0), N_first),
-        "N_nominal": (of_f0, N_first[1]),
-        "N_quantile": (("quantile", *of_f0), np.tile(N_first[1], (5, 1, 1))),
-        "probability": ((*of_f0, "N"), share),
-        "probability_bound": (("bound", *of_f0, "N"), np.stack([share / 2, share])),
-        "sensitivity": (("order", "value", *of_f0), index),
-        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.2])),
-        "N_first_required": (("requirement", "sample", "C"), N_first[np.newaxis, :, :, 0]),
-        "N_required": ("requirement", [1050.0]),
-        "must_snap": ("requirement", [1]),
-        "share_meeting": (("requirement", "C"), [[0.5]]),
-        "share_meeting_bound": (("bound", "requirement", "C"), [[[0.15]], [[0.85]]]),
-    } | {"yield": ("C", [0.4]), "yield_bound": (("bound", "C"), [[0.4], [0.9]])}
-    axes = {"C": [25.0], "f0": f0, "N": N, "quantile": list(figure.LINES)}
-    axes |= {"order": ["first", "total"], "value": ["thickness+depth", "N"]}
-    return xr.Dataset(variables, axes | {"requirement": ["drop"]}, ATTRIBUTES)
-
-
 @pytest.mark.usefixtures("paper")
-def test_probabilities_and_indices_are_drawn_as_they_are():
-    batch = make_batch().isel(C=0)
-    ax = drawn(figure.draw_probability, batch)
+def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
+    ax = drawn(figure.draw_probability, scattered)
     (field,) = ax.collections
-    np.testing.assert_allclose(field.get_array(), batch.probability.transpose("N", "f0"))
-    assert len(ax.lines) == len(figure.LINES) + 1
-    np.testing.assert_allclose(ax.lines[-1].get_ydata(), batch.N_nominal)
-    single = make_batch(np.array([1500.0])).isel(C=0)
-    curve, *_ = drawn(figure.draw_probability, single).lines
-    np.testing.assert_allclose(curve.get_ydata(), single.probability.squeeze())
-    ax = drawn(figure.draw_sensitivity, batch)
-    shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
-    assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
-    bars = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
-    assert bars == pytest.approx([1.0, 0.3])
+    np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
+    *quantiles, nominal = (line.get_ydata() for line in ax.lines)
+    expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
+    np.testing.assert_array_equal(quantiles, expected)
+    np.testing.assert_array_equal(nominal, scattered.N_nominal)
+    curve, *_ = drawn(figure.draw_probability, scattered.isel(f0=[1])).lines
+    np.testing.assert_array_equal(curve.get_ydata(), scattered.probability.isel(f0=1))
+    # Bounds of shares end at 1.
+    bounds = scattered.sensitivity_bound + xr.DataArray([0.0, 0.5], dims="bound")
+    ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity_bound=bounds))
+    shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
+    assert sorted(shown) == sorted(scattered.sensitivity.values.reshape(-1, 3).tolist())
+    tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
+    ends = bounds.sel(order="total").isel(bound=1, f0=0)
+    np.testing.assert_allclose(tops, np.minimum(ends, 1))
+    assert ends.max() > 1
 
 
 @pytest.mark.usefixtures("paper")
-def test_yields_and_requirements_are_drawn_as_they_are():
-    ax = drawn(figure.draw_yield, make_batch())
-    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
-    low, high = ax.get_xlim()
-    assert 0.05 < low < 0.15 and high > 1  # about the bounds, 0.15 to 0.9, and 1
-    ax = drawn(figure.draw_requirement, make_batch().isel(C=0, requirement=0))
-    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
-    assert ax.patches[0].get_x() == 1050.0
+def test_yields_and_requirements_are_drawn_as_they_are(scattered):
+    ax = drawn(figure.draw_yield, scattered.expand_dims(C=[25.0], axis=-1))
+    shares = [scattered.share_meeting.item(), scattered["yield"].item()]
+    assert ax.lines[0].get_xydata().tolist() == [[share, i] for i, share in enumerate(shares)]
+    low = min(scattered.share_meeting_bound.min(), scattered.yield_bound.min()).item()
+    assert low - 0.1 < ax.get_xlim()[0] < low and ax.get_xlim()[1] > 1
+    ax = drawn(figure.draw_requirement, scattered.isel(requirement=0))
+    known = scattered.N_first_required.count().item()
+    assert sum(patch.get_height() for patch in ax.patches[1:]) == known < 128
+    assert ax.patches[0].get_x() == 400.0
