@@ -76,6 +76,14 @@ def test_thresholds_are_the_data_dashed_and_hollow_where_late_and_approach_both_
     assert not limits(drawn(thresholds.draw_thresholds, unknown), curves.SHORT)
 
 
+@pytest.mark.parametrize(("static", "is_drawn"), [(990.0, False), (1001.0, True)])
+def test_the_bound_by_energy_is_drawn_where_some_threshold_is_below_the_static_one(
+    static, is_drawn
+):
+    ax = drawn(thresholds.draw_thresholds, make_found().assign(N_static=static))
+    assert ([180.0, 190.0, 630.0] in [[*line.get_ydata()] for line in ax.lines]) == is_drawn
+
+
 def test_a_map_of_thresholds_has_their_values():
     (mesh,) = artists(drawn(thresholds.draw_threshold_map, make_found(), "f0", "C"), QuadMesh)
     assert mesh.get_array().tolist() == make_found().N_first.transpose("C", "f0").values.tolist()

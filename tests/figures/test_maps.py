@@ -145,8 +145,8 @@ def test_panels_of_times_share_their_colours_and_one_bar():
 
 
 def test_a_map_has_the_threshold_in_its_band_dashed_where_late_and_marked_where_there_is_none():
-    thresholds = make_found().isel(C=0)
-    ax = snap_map(make_cells(["22", "00"]), thresholds)
+    cells, thresholds = make_cells(["22", "00"]), make_found().isel(C=0)
+    ax = snap_map(cells, thresholds)
     solid, dashed, always = ax.lines[:3]
     assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
     assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
@@ -155,8 +155,10 @@ def test_a_map_has_the_threshold_in_its_band_dashed_where_late_and_marked_where_
     (band,) = artists(ax, FillBetweenPolyCollection)
     corners = band.get_paths()[0].vertices
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
-    thresholds["N_first"] = thresholds.N_first.where(thresholds.f0 != 1000)
-    (marks,) = [line for line in snap_map(TINY, thresholds).lines if line.get_markersize() == 3]
+    known = thresholds[["N_first", "t_snap"]].where(thresholds.f0 != 1000)
+    lines = snap_map(cells, thresholds.assign(known)).lines
+    assert [visible(line) for line in lines[:2]] == [[[100.0, 1000.0]], [[10000.0, 2000.0]]]
+    (marks,) = [line for line in lines if line.get_markersize() == 3]
     assert marks.get_xdata().tolist() == [1000.0] and 0 < marks.get_ydata()[0] < 1
 
 

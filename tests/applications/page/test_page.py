@@ -220,6 +220,8 @@ def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube
     w, first = view.shown("history", "y", 1), view.page.evaluate("run.form.first")
     assert w[0] == pytest.approx(first, abs=1e-3) and min(w) < -first / 2
     assert view.page.evaluate("run.form.kappa.length") == 5
+    end = 1e6 / cell.f0.item() + SETTINGS.horizon
+    assert 1e3 * view.shown("history", "x", 1)[-1] == pytest.approx(end, rel=0.01)
     view.page.focus("#at-N")
     view.page.keyboard.press("ArrowLeft")
     view.wait("run && at[Y] === 2.95")

@@ -51,6 +51,15 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
     assert f"{side}, trips" in words
 
 
+def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
+    row = snapmap.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
+    assert row.ragged and gap > 0
+    required = {"name": "ragged", "N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0}
+    (verdict,) = check(study, [required | {"snaps": True, "shocks": study.shocks}], [0.025])
+    assert verdict.verdict == "unclear"
+
+
 def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, study):
     """The verdict is the worst one; a shock that may trip or not has none of the trip."""
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
