@@ -382,10 +382,9 @@ def drawn_shapes(view):
     return [key for key in ("first", "second") if view.page.evaluate(drawn, key) == "none"]
 
 
-def test_a_page_of_the_second_shape_and_of_a_record_too_long_to_follow(
+def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_the_map_whole(
     browser, view, cube, tmp_path, monkeypatch
 ):
-    """The beam is drawn in the shape in which the study starts; the record leaves the map whole."""
     assert drawn_shapes(view) == ["first"]
     monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
     document = json.loads(cube.attrs["config"])
