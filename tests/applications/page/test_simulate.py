@@ -149,3 +149,11 @@ def test_all_that_the_kernel_knows_of_a_device_is_followed(alone, handout, monke
     *followed, kernel, twin = follow_both(alone, study, axes, start)
     check(*followed, kernel, twin)
     assert max(abs(w).max() for w in kernel) > 1e-3
+
+
+def test_steps_are_as_short_as_a_hard_strike_from_the_second_shape_needs(alone, handout):
+    study = Study(device=handout, shocks=make_shocks("versed sine", "-z"))
+    axes = {"C": [50.0], "f0": [6000.0], "N": [1000.0, 2e4]}
+    runs, dt, *kernels = follow_both(alone, study, axes, SECOND)
+    check(runs, dt, *kernels)
+    assert dt[1] < 0.9 * dt[0]
