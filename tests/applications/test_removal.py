@@ -10,9 +10,9 @@ from small_workflow import snakemake
 
 from snapmap.applications import attached, key_of
 
-LINES = {name: package.__doc__.partition("\n")[0] for name, package in attached().items()}
 IMPORTS = {
-    name: {*re.findall(r"\w+", line.partition("Imports:")[2])} for name, line in LINES.items()
+    name: {*re.findall(r"\w+", package.__doc__.partition("\n")[0].partition("Imports:")[2])}
+    for name, package in attached().items()
 }
 """What the first line of each application says that it imports; test_project.py checks it."""
 INNER = [name for name in IMPORTS if name in set().union(*IMPORTS.values())]
@@ -27,11 +27,9 @@ def with_dependents(names):
 
 @pytest.fixture
 def clone(root, tmp_path):
-    folder = tmp_path / "clone"
-    shutil.copytree(
-        root / "workflow", folder / "workflow", ignore=shutil.ignore_patterns("__pycache__")
-    )
-    shutil.copytree(root / "profiles", folder / "profiles")
+    folder, ignored = tmp_path / "clone", shutil.ignore_patterns("__pycache__")
+    for name in ("workflow", "profiles"):
+        shutil.copytree(root / name, folder / name, ignore=ignored)
     shutil.copy(root / "Snakefile", folder)
     return folder
 

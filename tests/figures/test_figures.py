@@ -35,26 +35,21 @@ def test_edges_lie_midway_and_surround_a_lone_value(key, values, edges):
 
 
 def test_figures_over_durations_are_those_over_frequencies():
-    found = scales.along(make_found(), "duration", "C")
-    np.testing.assert_allclose(found.duration, [0.1, 1.0, 10.0])
-    assert found.N_first.sel(C=25.0).values.tolist() == [2000.0, 1100.0, 1000.0]
-    assert scales.along(found, "f0") is found
-
-
-def curves_of(ax):
-    """What is seen of each line, late or not."""
-    known = [line for line in ax.lines if line.get_marker() not in ("None", "", "x", "|", "_")]
-    return [points for line in known if (points := visible(line))]
+    over_duration = scales.along(make_found(), "duration", "C")
+    np.testing.assert_allclose(over_duration.duration, [0.1, 1.0, 10.0])
+    assert over_duration.N_first.sel(C=25.0).values.tolist() == [2000.0, 1100.0, 1000.0]
+    assert scales.along(over_duration, "f0") is over_duration
 
 
 @pytest.mark.parametrize("draw", [thresholds.draw_thresholds, boundary.draw_damage_boundary])
 @pytest.mark.parametrize("f0", [[2], [0, 2]])
-def test_thresholds_not_found_leave_a_hole(draw, f0):
-    found = make_found()
+def test_thresholds_that_are_not_known_leave_a_hole(draw, f0):
+    results = make_found()
     for name in ("N_first", "N_error", "N_always"):
-        found[name] = found[name].where(found.f0 < 1000)
-    ax = drawn(draw, found.isel(f0=f0))
-    seen = [points for points in curves_of(ax) if points[0][1] >= 1000]
+        results[name] = results[name].where(results.f0 < 1000)
+    ax = drawn(draw, results.isel(f0=f0))
+    curves = [line for line in ax.lines if line.get_marker() not in ("None", "", "x", "|", "_")]
+    seen = [points for line in curves if (points := visible(line)) and points[0][1] >= 1000]
     assert bool(seen) == (0 in f0)
 
 
@@ -62,74 +57,73 @@ def limits(ax, label):
     return [line for line in ax.lines if line.get_label().startswith(label)]
 
 
-def test_thresholds_are_the_data_dashed_and_hollow_where_late():
+def test_thresholds_are_the_data_dashed_and_hollow_where_late_and_approach_both_limits():
     ax = drawn(thresholds.draw_thresholds, make_found())
-    for i, N in enumerate([1000.0, 1001.0]):
-        solid, dashed = [line for line in ax.lines if line.get_color() == curves.LOOKS[i][0]][1:3]
+    short = limits(ax, curves.SHORT)
+    for i, (N, v) in enumerate([(1000.0, 0.5), (1001.0, 0.6)]):
+        of_curve = [line for line in ax.lines if line.get_color() == curves.LOOKS[i][0]]
+        solid, dashed = of_curve[1:3]
         assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
         assert dashed.get_markerfacecolor() == "white" != solid.get_markerfacecolor()
         assert dashed.get_markevery().tolist() == [False, False, True]
         assert visible(dashed) == [[1000.0, N + 100], [10000.0, N + 1000]]
         assert visible(solid) == [[100.0, N], [1000.0, N + 100]]
+        assert [line for line in of_curve if line in short] == [short[i]]
+        np.testing.assert_allclose(short[i].get_ydata() * 5 / short[i].get_xdata(), v, rtol=1e-9)
+    assert [line.get_ydata() for line in limits(ax, curves.LONG)] == [[990.0, 990.0]]
+    assert len(short) == 2
+    unknown = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
+    assert not limits(drawn(thresholds.draw_thresholds, unknown), curves.SHORT)
+
+
+@pytest.mark.parametrize(("static", "is_drawn"), [(990.0, False), (1001.0, True)])
+def test_the_bound_by_energy_is_drawn_where_some_threshold_is_below_the_static_one(
+    static, is_drawn
+):
+    ax = drawn(thresholds.draw_thresholds, make_found().assign(N_static=static))
+    assert ([180.0, 190.0, 630.0] in [[*line.get_ydata()] for line in ax.lines]) == is_drawn
 
 
 def test_a_map_of_thresholds_has_their_values():
-    found = make_found()
-    ax = drawn(thresholds.draw_threshold_map, found, "f0", "C")
-    (mesh,) = artists(ax, QuadMesh)
-    assert mesh.get_array().tolist() == found.N_first.transpose("C", "f0").values.tolist()
-
-
-def test_thresholds_approach_both_limits():
-    ax = drawn(thresholds.draw_thresholds, make_found())
-    (static,) = limits(ax, curves.LONG)
-    assert static.get_ydata() == [990.0, 990.0]
-    short = limits(ax, curves.SHORT)
-    for line, v, (colour, _) in zip(short, [0.5, 0.6], curves.LOOKS[:2], strict=True):
-        assert line.get_color() == colour
-        f0, N = line.get_xydata().T
-        assert N * 1e-5 / (2e-6 * f0) == pytest.approx(np.full(f0.size, v))
-    found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
-    assert not limits(drawn(thresholds.draw_thresholds, found), curves.SHORT)
+    (mesh,) = artists(drawn(thresholds.draw_threshold_map, make_found(), "f0", "C"), QuadMesh)
+    assert mesh.get_array().tolist() == make_found().N_first.transpose("C", "f0").values.tolist()
 
 
 def test_the_limit_of_long_pulses_is_the_law_of_the_dwell_where_that_holds():
     """Within 1 % of the threshold, of every line its own; beyond it is horizontal."""
-    found = make_found()
-    found["N_slow"] = found.N_first * [1.005, 0.995, 1.1]
-    ax = drawn(thresholds.draw_thresholds, found)
-    for line, N in zip(limits(ax, curves.LONG), found.N_slow.values, strict=True):
+    results = make_found()
+    results["N_slow"] = results.N_first * [1.005, 0.995, 1.1]
+    ax = drawn(thresholds.draw_thresholds, results)
+    for line, N in zip(limits(ax, curves.LONG), results.N_slow.values, strict=True):
         assert visible(line) == [[100.0, N[0]], [1000.0, N[1]]]
-        beyond = ax.lines[ax.lines.index(line) + 1]
-        assert visible(beyond) == [[10000.0, 990.0]]
+        assert visible(ax.lines[ax.lines.index(line) + 1]) == [[10000.0, 990.0]]
 
 
 def test_figures_of_a_pushed_beam_count_its_force():
-    device = {"device": {"beam": {}, "mass": "none", "force": "2.0 uN"}}
-    found = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
-    found.attrs["config"] = json.dumps(CONFIG | device)
-    ax = drawn(thresholds.draw_thresholds, found)
+    device = {"beam": {}, "mass": "none", "force": "2.0 uN"}
+    pushed = {"config": json.dumps(CONFIG | {"device": device})}
+    two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
+    assert style.multiples(two) == "multiples of each force"
+    results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)
+    ax = drawn(thresholds.draw_thresholds, results)
     assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"
-    two = {"a": device["device"], "b": device["device"] | {"force": "3.0 uN"}}
-    attributes = {"config": json.dumps({"devices": two})}
-    assert style.multiples(attributes) == "multiples of each force"
-    cells = TINY.assign_attrs(config=found.attrs["config"])
-    assert drawn(maps.draw_map, cells, found.isel(C=0)).get_ylabel().endswith("of 2 µN)")
+    cells = TINY.assign_attrs(pushed)
+    assert drawn(maps.draw_map, cells, results.isel(C=0)).get_ylabel().endswith("of 2 µN)")
     assert drawn(maps.draw_map, TINY, None).get_ylabel().endswith("of $g$)")
 
 
 def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
-    files = []
     for name in ("first", "again"):
         with style.paper():
             figure = drawn(thresholds.draw_thresholds, make_found()).figure
             style.save(figure, tmp_path / name, ATTRIBUTES)
-        files.append([(tmp_path / f"{name}.{kind}").read_bytes() for kind in ("pdf", "png")])
-    assert files[0] == files[1]
-    pdf = files[0][0]
-    facts = b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)"
-    assert all(fact in pdf for fact in facts)
-    assert b"1.5 ms" in pdf and b"/Type3" not in pdf and b"Date" not in pdf
+    for kind in ("pdf", "png"):
+        first, again = (tmp_path / f"{name}.{kind}" for name in ("first", "again"))
+        assert first.read_bytes() == again.read_bytes()
+    pdf = (tmp_path / "first.pdf").read_bytes()
+    for fact in (b"/FontFile2", b"/Title (A title)", b"/Creator (0.1.0+abc)", b"1.5 ms"):
+        assert fact in pdf
+    assert b"/Type3" not in pdf and b"Date" not in pdf
     with Image.open(tmp_path / "first.png") as image:
         assert image.size[0] == 2100
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
@@ -137,22 +131,20 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
         assert json.loads(image.info["Comment"]) == CONFIG
 
 
-def test_the_picture_of_the_first_page_has_the_numbers_of_the_table(root):
-    picture = runpy.run_path(str(root / "docs" / "make_pictures.py"))
-    ax = style.single_column(height=4).subplots()
-    picture["draw_speeds"](ax)
+def test_pictures_of_pages_are_few_and_small_and_the_first_has_the_numbers_of_the_table(root):
+    pictures, files = (
+        runpy.run_path(str(root / "docs" / "make_pictures.py")),
+        root / "docs/pictures",
+    )
+    names = {path.stem for path in files.glob("*.png")}
+    assert names == {"map", "laws", *pictures["GALLERY"]} and len(names) <= 6
+    assert all(path.stat().st_size <= 100_000 for path in files.iterdir())
+    pictures["draw_speeds"](ax := style.single_column(height=4).subplots())
     ((error, speed),) = ax.lines[0].get_xydata()
     lines = (root / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines()
     (row,) = [line for line in lines if line.startswith("| `auto` |")]
     assert row.replace(" ", "").endswith(f"|{speed:.0f}|") and f"| {error:g} / " in row
-    assert len(ax.lines) == len(picture["SHOWN"]) == 4
-
-
-def test_the_pictures_of_pages_are_few_and_small(root):
-    pictures = runpy.run_path(str(root / "docs" / "make_pictures.py"))
-    names = {path.stem for path in (root / "docs" / "pictures").glob("*.png")}
-    assert names == {"map", "laws", *pictures["GALLERY"]} and len(names) <= 6
-    assert all(p.stat().st_size <= 100_000 for p in (root / "docs" / "pictures").iterdir())
+    assert len(ax.lines) == len(pictures["SHOWN"]) == 4
 
 
 def test_thresholds_have_bars_gaps_and_islands():

@@ -6,16 +6,15 @@ import xarray as xr
 from small_results import drawn
 
 import snapmap
-from snapmap.applications.calibration import figure as calibration
+from snapmap.applications.calibration import figure
 from snapmap.applications.calibration.dataset import fit, summary
 from snapmap.applications.calibration.shots import shots_from
 from snapmap.applications.calibration.surface import Surface
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0, "C": 25.0}
-RANGE = {"thickness": (1.8, 2.2)}
-LEVELS = [850.0, 900.0, 940.0, 960.0, 1000.0, 1100.0]
-SHOTS = {"N": LEVELS, "duration": [1000.0] * 6, "tripped": [0, 0, 0, 1, 1, 1]}
+CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+SHOTS = {"N": [850.0, 900.0, 940.0, 960.0, 1000.0, 1100.0], "duration": [1000.0] * 6}
+SHOTS["tripped"] = [0, 0, 0, 1, 1, 1]
 
 
 def straight(slopes, size=33):
@@ -24,6 +23,9 @@ def straight(slopes, size=33):
     logs = np.log(1000.0) + np.stack(axes, axis=-1) @ slopes.T
     names = ("thickness", "rise")[: slopes.shape[1]]
     return Surface(dict.fromkeys(names, (-0.3, 0.3)), logs)
+
+
+SUM = straight(np.array([[1.0], [1.0]]))
 
 
 def made_up(draw, surface, truth, spread, size=30):
@@ -38,54 +40,51 @@ def made_up(draw, surface, truth, spread, size=30):
 
 def test_intervals_cover_the_truth_of_made_up_campaigns():
     """Of ten that cover in 95 of 100 at least eight do, but for one in a hundred sets of them."""
-    draw, surface = np.random.default_rng(1), straight(np.array([[1.0], [1.0]]))
-    covered = 0
+    draw, covered = np.random.default_rng(1), 0
     for truth in np.linspace(-0.1, 0.1, 10):
-        one = fit(made_up(draw, surface, [truth], 0.03), surface)
-        covered += one.low.item() <= truth <= one.high.item()
-        assert one.low < one.estimate < one.high and one.high - one.low < 0.2
+        fitted = fit(made_up(draw, SUM, [truth], 0.03), SUM)
+        covered += fitted.low.item() <= truth <= fitted.high.item()
+        assert fitted.low < fitted.estimate < fitted.high < fitted.low + 0.2
     assert covered >= 8
 
 
-def test_what_is_not_told_apart_keeps_its_ranges():
+def test_what_shots_do_not_tell_apart_keeps_its_ranges():
     """Thresholds depend on the sum alone: the difference of both is known from the ranges."""
     draw, surface = np.random.default_rng(2), straight(np.ones((2, 2)), size=17)
-    found = fit(made_up(draw, surface, [0.0, 0.0], 0.03), surface)
-    assert (found.low == -0.3).all() and (found.high == 0.3).all()
-    assert found.correlation.values[0, 1] < -0.9
-    assert "(-0.3 to 0.3)" in summary(found)
+    fitted = fit(made_up(draw, surface, [0.0, 0.0], 0.03), surface)
+    assert (fitted.low == -0.3).all() and (fitted.high == 0.3).all()
+    assert fitted.correlation.values[0, 1] < -0.9
+    assert "(-0.3 to 0.3)" in summary(fitted)
 
 
 def test_residuals_are_those_of_the_fitted_probability():
-    draw, surface = np.random.default_rng(3), straight(np.array([[1.0], [1.0]]))
-    one = fit(made_up(draw, surface, [0.0], 0.05), surface)
-    p = np.where(one.tripped, one.probability, 1 - one.probability)
-    np.testing.assert_allclose(one.residual**2, -2 * np.log(p), rtol=1e-4, atol=1e-4)
-    assert (np.sign(one.residual) == np.where(one.tripped, 1, -1))[p < 0.99].all()
-    assert 0.01 < one.spread[0] < 0.2
+    fitted = fit(made_up(np.random.default_rng(3), SUM, [0.0], 0.05), SUM)
+    p = np.where(fitted.tripped, fitted.probability, 1 - fitted.probability)
+    np.testing.assert_allclose(fitted.residual**2, -2 * np.log(p), rtol=1e-4, atol=1e-4)
+    assert (np.sign(fitted.residual) == np.where(fitted.tripped, 1, -1))[p < 0.99].all()
+    assert 0.01 < fitted.spread[0] < 0.2
 
 
-def test_shots_of_the_solver_itself_are_read_off(handout):
-    found = snapmap.calibrate(handout, SHOTS, RANGE, **CHEAP)
-    own = snapmap.threshold(
-        handout, [1000.0], model="cosines", modes=3, horizon=300.0, C=[25.0], thickness=[1.9, 2.0]
-    ).N_first.values.ravel()
-    expected = 1.9 + 0.1 * (950.0 - own[0]) / (own[1] - own[0])
-    assert found.estimate.item() == pytest.approx(expected, abs=0.005)
-    assert found.low < found.estimate < found.high and found.model_error < 2e-3
-    assert found.threshold.values == pytest.approx(950.0, abs=5.0)
+def test_the_thickness_is_read_off_shots_of_the_solver_itself(handout):
+    fitted = snapmap.calibrate(handout, SHOTS, {"thickness": (1.8, 2.2)}, **CHEAP, C=25.0)
+    thickness = [1.9, 2.0]
+    N = snapmap.threshold(handout, [1000.0], [25.0], thickness=thickness, **CHEAP).N_first
+    expected = np.interp(950.0, N.values.ravel(), thickness)
+    assert fitted.estimate.item() == pytest.approx(expected, abs=0.005)
+    assert fitted.low < fitted.estimate < fitted.high and fitted.model_error < 2e-3
+    assert fitted.threshold.values == pytest.approx(950.0, abs=5.0)
 
 
 @pytest.mark.usefixtures("paper")
 def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
-    spread = xr.DataArray([0.05], dims="bound", coords={"bound": ["estimate"]})
     columns = {"f0": [1e3, 1e3, 2e3], "N": [900.0, 1100.0, 1000.0], "tripped": [0, 1, 0]}
     columns |= {"threshold": [1e3, 1e3, 1.2e3], "threshold_low": [950.0, 950.0, 1100.0]}
-    columns |= {"threshold_high": [1050.0, 1050.0, 1300.0], "direction": ["+z"] * 3}
-    columns["shape"] = ["half sine"] * 3
-    found = xr.Dataset({key: ("shot", values) for key, values in columns.items()})
-    (panel,) = calibration.panels(found.assign(spread=spread))
-    fit, stayed, tripped = drawn(calibration.draw_shots, panel).lines
+    columns |= {"threshold_high": [1050.0, 1050.0, 1300.0]}
+    columns |= {"direction": ["+z"] * 3, "shape": ["half sine"] * 3}
+    variables = {key: ("shot", values) for key, values in columns.items()}
+    variables["spread"] = "bound", [0.05]
+    (panel,) = figure.panels(xr.Dataset(variables, {"bound": ["estimate"]}))
+    fit, stayed, tripped = drawn(figure.draw_shots, panel).lines
     assert fit.get_xydata().tolist() == [[1e3, 1e3], [2e3, 1.2e3]]
     assert stayed.get_ydata().tolist() == [900, 1000] and tripped.get_ydata().tolist() == [1100]
     assert [shots.get_markerfacecolor() for shots in (stayed, tripped)] == ["white", "black"]

@@ -8,52 +8,48 @@ import pytest
 import snapmap
 from snapmap.applications.design.design import remedy
 from snapmap.pulse.shocks import make_shocks
-from snapmap.study.study import Study, with_shocks
+from snapmap.study.study import with_shocks
 from snapmap.thresholds.population import thresholds_at
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
-
-
 VALUES = {"thickness": (1300, 2.0, 2.4, 0.1), "C": (1000, 10.0, 400.0, 10.0)}
 
 
 @pytest.mark.parametrize("value", VALUES)
-def test_the_threshold_at_the_value_found_is_the_one_asked_for(handout, value):
+def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, value):
     """Its error bar is that of the threshold over its slope."""
     N, low, high, step = VALUES[value]
-    shock = {"N": N, "f0": 1000.0, "between": (low, high)} | CHEAP
     damper = {} if value == "C" else {"C": 25.0}
-    found = snapmap.design(handout, value, **shock, **damper)
-    around = {"C": [25.0], value: [found.value - step, found.value, found.value + step]}
+    goal = {"N": N, "f0": 1000.0, "between": (low, high)}
+    designed = snapmap.design(handout, value, **goal, **damper, **CHEAP)
+    around = {"C": [25.0], value: designed.value + step * np.array([-1, 0, 1])}
     near = snapmap.threshold(handout, [1000.0], **around, **CHEAP).squeeze()
     assert near.N_first[1].item() == pytest.approx(N, rel=2e-4)
     slope = (near.N_first[2] - near.N_first[0]).item() / (2 * step)
-    assert found.error == pytest.approx(near.N_error[1].item() / slope, rel=0.5)
-    assert 0 < found.error < 0.02 * found.value
+    assert designed.error == pytest.approx(near.N_error[1].item() / slope, rel=0.5)
+    assert 0 < designed.error < 0.02 * designed.value
 
 
 @pytest.mark.parametrize(("N", "snaps"), [(1300.0, False), (800.0, True)])
-def test_each_remedy_brings_the_threshold_to_its_side(handout, N, snaps):
+def test_each_remedy_brings_the_threshold_to_its_side(handout, study, N, snaps):
     """With the mass, the spring or the beam as the line says, to a percent."""
-    study = Study(device=handout, model={"name": "cosines", "modes": 3})
     goal = {"N": N, "f0": 1000.0, "snaps": snaps, "shocks": study.shocks}
     first = snapmap.threshold(handout, [1000.0], [25.0], **CHEAP).N_first.item()
+    values = {"thickness": handout.beam.thickness, "mass": handout.mass, "spring": handout.spring}
     changes = remedy(study, goal, 25.0, first)
     assert {key for _, key, _ in changes} >= {"mass", "thickness"}
     for words, key, number in changes:
         name, percent, word = re.fullmatch(r"a (mass|spring|beam) (\d+)% (\w+)", words).groups()
         assert {"beam": "thickness"}.get(name, name) == key
         sign = 1 if word in ("heavier", "stiffer", "thicker") else -1
-        value = {"thickness": handout.beam.thickness}.get(key) or getattr(handout, key)
-        said = value * (1 + sign * float(percent) / 100)
-        assert number == pytest.approx(said, abs=0.005 * value)
-        for other in (number, said):
-            first = thresholds_at(study, {key: np.array([other])}, 1000.0, 25.0)[0]
-            assert (first <= N) == snaps
+        in_words = values[key] * (1 + sign * float(percent) / 100)
+        assert number == pytest.approx(in_words, abs=0.005 * values[key])
+        firsts = thresholds_at(study, {key: np.array([number, in_words])}, 1000.0, 25.0)[0]
+        assert ((firsts <= N) == snaps).all()
 
 
-def test_no_solution_and_several_are_said(handout, monkeypatch):
+def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(handout, monkeypatch):
     with pytest.raises(ValueError, match=r"^C: is the value that design searches; leave it out$"):
         snapmap.design(handout, "C", N=1000, between=(10.0, 400.0), **SHOCK, **CHEAP)
     with pytest.raises(ValueError, match=r"thickness: no value from 1.9 to 2.1 um .* it runs from"):
@@ -63,64 +59,66 @@ def test_no_solution_and_several_are_said(handout, monkeypatch):
         N_first = 1000 + (values - 1.3) * (values - 2.2)
         return N_first, np.full(values.shape, 1e-4), N_first <= 1000
 
-    module = "snapmap.applications.design.design"
-    monkeypatch.setattr(f"{module}._threshold_finder", lambda *_: parabola)
+    finder = "snapmap.applications.design.design._threshold_finder"
+    monkeypatch.setattr(finder, lambda *_: parabola)
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
-        found = snapmap.design(handout, "thickness", N=1000, between=(1.0, 3.0), **SHOCK)
-    assert found.value == pytest.approx(1.3, abs=1e-5)
+        designed = snapmap.design(handout, "thickness", N=1000, between=(1.0, 3.0), **SHOCK)
+    assert designed.value == pytest.approx(1.3, abs=1e-5)
 
 
 def require(name, N, snaps):
-    shock = {"N": N, "f0": 1500.0, "pulse": "versed sine"}
-    return shock | {"name": name, "snaps": snaps}
+    return {"name": name, "N": N, "snaps": snaps, "f0": 1500.0, "pulse": "versed sine"}
 
 
-@pytest.mark.parametrize(
-    ("value", "stays", "trips", "shock"),
-    [
-        ("thickness", 1100.0, 1300.0, {"between": (1.8, 2.5), "C": 25.0}),
-        ("C", 1010.0, 1060.0, {"between": (5.0, 400.0)}),
-    ],
-)
-def test_the_window_in_which_all_requirements_are_met(handout, value, stays, trips, shock):
-    needs, shock = [require("trip", trips, True), require("stay", stays, False)], shock | CHEAP
-    found = snapmap.design(handout, value, requirements=needs, **shock)
+THICKNESS = {"between": (1.8, 2.5), "C": 25.0} | CHEAP
+WINDOWS = {
+    "thickness": (1100.0, 1300.0, THICKNESS),
+    "C": (1010.0, 1060.0, {"between": (5.0, 400.0)} | CHEAP),
+}
+
+
+@pytest.mark.parametrize("value", WINDOWS)
+def test_all_requirements_are_met_in_a_window_between_the_values_for_each(handout, value):
+    stays, trips, asked = WINDOWS[value]
+    needs = [require("trip", trips, True), require("stay", stays, False)]
+    window = snapmap.design(handout, value, requirements=needs, **asked)
     for end, N in (("low", stays), ("high", trips)):
-        alone = snapmap.design(handout, value, N=N, f0=1500.0, **shock)
-        error = alone.error + found[f"{end}_error"].item()
-        assert abs(found[end].item() - alone.value) <= error
-    assert (found.low_from.item(), found.high_from.item()) == ("stay", "trip")
-
-
-def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(handout):
-    asked = {"name": "drop", "N": 900.0, "f0": 1000.0, "snaps": False}
-    shocks = make_shocks(["half sine", "sawtooth"], "-z")
-    required = with_shocks(asked, shocks)
-    assert [one.pulse.name for one in required["shocks"].each()] == ["half sine", "sawtooth"]
-    assert required["shocks"].directions == ("-z",)
-    back = with_shocks(asked | {"pulse": "trapezoid", "direction": "both"}, shocks)["shocks"]
-    assert {one.pulse.name for one in back.each()} == {"trapezoid"}
-    assert back.directions == ("+z", "-z")
-    record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
-    within = {"C": 25.0, "between": (1.8, 2.5), "requirements": [asked]} | CHEAP
-    with pytest.raises(ValueError, match="requirements: drop: pulse: missing, as the study"):
-        snapmap.design(handout, "thickness", pulse=record, **within)
-    within["requirements"] = [asked | {"snaps": "any"}]
-    with pytest.raises(ValueError, match="requirements: drop: snaps: any has no threshold"):
-        snapmap.design(handout, "thickness", **within)
+        alone = snapmap.design(handout, value, N=N, f0=1500.0, **asked)
+        error = alone.error + window[f"{end}_error"].item()
+        assert abs(window[end].item() - alone.value) <= error
+    assert (window.low_from.item(), window.high_from.item()) == ("stay", "trip")
 
 
 def test_a_contradiction_says_where_each_requirement_is_met(handout):
     needs = [require("trip", 1100.0, True), require("stay", 1300.0, False)]
     needs.append(require("never", 9e5, False))
     with pytest.warns(UserWarning) as warned:
-        found = snapmap.design(
-            handout, "thickness", requirements=needs, between=(1.8, 2.5), C=25.0, **CHEAP
-        )
-    assert found.sizes["window"] == 0
-    trip, stay = (found.tried.values[row] for row in found.met.values[:2].astype(bool))
+        window = snapmap.design(handout, "thickness", requirements=needs, **THICKNESS)
+    assert window.sizes["window"] == 0
+    trip, stay = (window.tried.values[row] for row in window.met.values[:2].astype(bool))
     assert str(warned[0].message) == (
         "thickness: none from 1.8 to 2.5 um meets all requirements, at most 1 of 3 at 1.8 um: "
         f"trip is met from 1.8 to {trip.max():.4g}, stay is met from {stay.min():.4g} to 2.5, "
         "never is met nowhere"
     )
+
+
+def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(handout):
+    asked = {"name": "drop", "N": 900.0, "f0": 1000.0, "snaps": False}
+    shocks = make_shocks(["half sine", "sawtooth"], "-z")
+    named = {"pulse": "trapezoid", "direction": "both"}
+    for more, names, directions in (
+        ({}, ["half sine", "sawtooth"], ("-z",)),
+        (named, ["trapezoid", "trapezoid"], ("+z", "-z")),
+    ):
+        required = with_shocks(asked | more, shocks)["shocks"]
+        assert [each.pulse.name for each in required.each()] == names
+        assert required.directions == directions
+    record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
+    for more, study, fault in (
+        ({}, {"pulse": record}, "pulse: missing, as the study"),
+        ({"snaps": "any"}, {}, "snaps: any has no threshold"),
+    ):
+        needs = [asked | more]
+        with pytest.raises(ValueError, match=f"requirements: drop: {fault}"):
+            snapmap.design(handout, "thickness", requirements=needs, **study, **THICKNESS)

@@ -1,7 +1,5 @@
 """The work of the pulse: what it is, and by how much it differs with another step."""
 
-import math
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +7,7 @@ from small_results import ATTRIBUTES
 from varied import in_steps, varied
 
 import snapmap
-from snapmap.applications.histories import figure as histories
+from snapmap.applications.histories import figure
 from snapmap.applications.histories.history import extremes_of
 from snapmap.figures import style
 from snapmap.solver.cells import to_cells
@@ -20,6 +18,9 @@ from snapmap.study.study import Study
 
 SETTINGS = Settings(horizon=300.0)
 ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
+
+
+REFERENCE, CHEAP = {"model": "reference"}, {"model": {"name": "cosines", "modes": 3}}
 
 
 def work_of(model, N, f0, C, settings=SETTINGS):
@@ -37,22 +38,20 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
     omega, device = handout.own_frequency, varied(handout, gap=1e3)
     f0, shock = omega / (2 * np.pi * ratio), 50 * handout.gravity / omega**2
     swing = shock * (np.pi / 2 if ratio == 1 else np.sin(np.pi * ratio) / (1 - ratio**2))
-    found = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
+    work = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
     # The pulse also moves the beam, which weighs less by a factor of 160, by a thousandth of that.
-    assert found == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
+    assert work == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
 
 
 def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
-    shot, model = (1100.0, 1500.0, 25.0), {"name": "cosines", "modes": 3}
-    device = varied(handout, damping=4e-3)
-    runs = [snapmap.simulate(device, *shot, model, horizon=one) for one in (200.0, 1500.0)]
-    settings = Settings(horizon=1500.0)
-    found = extremes_of(Study(device=device, model=model, settings=settings), *shot)
-    assert found._asdict() == {key: runs[1].attrs[key] for key in found._fields}
-    for key in found._fields:
-        assert runs[0].attrs[key] <= runs[1].attrs[key]
-    assert runs[0].stress_max_to_snap == runs[1].stress_max_to_snap
+    shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
+    short, long = (snapmap.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
+    study = Study(device=device, model=model, settings=Settings(horizon=1500.0))
+    extremes = extremes_of(study, *shot)._asdict()
+    assert extremes == {key: long.attrs[key] for key in extremes}
+    assert all(short.attrs[key] <= long.attrs[key] for key in extremes)
+    assert short.stress_max_to_snap == long.stress_max_to_snap
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     run = snapmap.simulate(device, *shot, model, horizon=200.0)
     moved = run.z_mass.values - device.beam.rise
@@ -66,27 +65,22 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     assert run.stress_max_to_snap == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("model", "options", "N"),
-    [
-        ("cosines", {"modes": 3}, 700.0),
-        ("cosines", {"modes": 3}, 1500.0),
-        pytest.param("reference", {}, 700.0, marks=pytest.mark.long),
-        ("reference", {}, 1500.0),
-    ],
-)
-def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, model, options, N):
-    device = varied(handout, damping=1e-3)
+ENERGETIC = [(CHEAP, 700.0), (CHEAP, 1500.0), (REFERENCE, 1500.0)]
+ENERGETIC.append(pytest.param(REFERENCE, 700.0, marks=pytest.mark.long))
+
+
+@pytest.mark.parametrize(("asked", "N"), ENERGETIC)
+def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, asked, N):
+    device, asked = varied(handout, damping=1e-3), asked | {"horizon": 100.0}
     fix_step(0.3)
-    asked = {"model": model, "horizon": 100.0, **options}
     run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
-    gained = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES)
-    assert float(run.pulse_work[-1]) == pytest.approx(float(gained), rel=2e-3)
+    gained, work = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES), run.pulse_work[-1].item()
+    assert work == pytest.approx(gained.item(), rel=2e-3)
     cube = snapmap.sweep(device, [N], [2e3], [25.0], **asked)
-    if model == "reference" and N > 1000:
+    if asked["model"] == "reference" and N > 1000:
         assert np.isnan(cube.pulse_work)  # its run ends at the snap, within the pulse
     else:
-        assert cube.pulse_work.item() == pytest.approx(float(run.pulse_work[-1]), rel=1e-6)
+        assert cube.pulse_work.item() == pytest.approx(work, rel=1e-6)
 
 
 @pytest.mark.parametrize(("contact", "modes"), [(40.0, 3), (40.0, 5), (np.inf, 3)])
@@ -99,7 +93,6 @@ def test_the_work_converges_with_order_two(handout, contact, modes):
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
 
 
-REFERENCE, CHEAP = {"model": "reference"}, {"model": "cosines", "modes": 3}
 RUNS = [
     (1000.0, 1500.0, 0.025, REFERENCE, "snapped"),  # the handout's shock
     (700.0, 2e4, 25.0, CHEAP, "never"),
@@ -118,64 +111,46 @@ def test_a_history_has_the_outcome_and_the_snap_of_a_sweep(handout, N, f0, C, as
     assert asked != REFERENCE or run.t_snap == pytest.approx(434.8857, abs=5e-5)
 
 
-@pytest.fixture(scope="module")
-def cube(handout):
-    asked = {"model": "cosines", "modes": 3, "horizon": 300.0}
-    return snapmap.sweep(handout, [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0], **asked)
-
-
-def test_a_cube_says_by_how_much_another_step_differs(handout, cube):
+def test_a_cube_says_by_how_much_another_step_differs(handout):
+    axes = [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0]
+    cube = snapmap.sweep(handout, *axes, **CHEAP, horizon=300.0)
     model = build_model(handout, "cosines", modes=3)
     f0, N = (values.ravel() for values in np.meshgrid(cube.f0, cube.N, indexing="ij"))
-    cells = to_cells(handout, 0, N, f0, 25.0, 300.0)
-    seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
-    works, times = np.array([(run.pulse_work, run.t_snap) for run in (seen, again)]).swapaxes(0, 1)
-    np.testing.assert_array_equal(cube.pulse_work.values.ravel(), np.float32(works[0]))
-    apart = np.float32(abs(works[1] - works[0])[N > 0] / works.max(axis=0)[N > 0])
-    np.testing.assert_array_equal(cube.work_error.values.ravel()[N > 0], apart)
-    np.testing.assert_array_equal(
-        cube.t_snap_error.values.ravel(), np.float32(abs(times[1] - times[0]))
+    cells, struck = to_cells(handout, 0, N, f0, 25.0, 300.0), N > 0
+    runs = [each.follow(cells, SETTINGS) for each in (model, model.with_step(REPEATED_STEP))]
+    works, times = np.array([(run.pulse_work, run.t_snap) for run in runs]).swapaxes(0, 1)
+    work, error, time_error = (
+        cube[key].values.ravel() for key in ("pulse_work", "work_error", "t_snap_error")
     )
+    np.testing.assert_array_equal(work, np.float32(works[0]))
+    apart = np.float32(abs(works[1] - works[0])[struck] / works.max(axis=0)[struck])
+    np.testing.assert_array_equal(error[struck], apart)
+    np.testing.assert_array_equal(time_error, np.float32(abs(times[1] - times[0])))
     assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()
 
 
-def make_history(w_mid):
+def make_history(*w_mid):
     """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
-    w_mid = np.array(w_mid, float)
-    values = {"w_mid": w_mid, "z_mass": w_mid + 1, "contact_force": 0 * w_mid}
-    values["acceleration"] = np.full(w_mid.size, 0.02)
-    variables = {key: ("time", column) for key, column in values.items()}
+    w = np.array(w_mid, float)
+    values = {"w_mid": w, "z_mass": w + 1, "contact_force": 0 * w, "acceleration": 0 * w + 0.02}
     attributes = ATTRIBUTES | {"second_equilibrium": -9.0, "gravity": 1e-5}
     attributes |= {"N": 1000.0, "f0": 1500.0, "C": 0.025}
-    return xr.Dataset(variables, {"time": 10.0 * np.arange(w_mid.size)}, attributes)
+    variables = {key: ("time", column) for key, column in values.items()}
+    return xr.Dataset(variables, {"time": 10.0 * np.arange(w.size)}, attributes)
 
 
-def line(ax, label):
-    return next(line for line in ax.lines if line.get_label().startswith(label))
-
-
-def history_of(history):
-    figure = style.double_column(height=4.2)
-    return histories.draw_history(figure.subplots(3, sharex=True), history)
-
-
-@pytest.mark.usefixtures("paper")
-def test_a_history_is_the_data_in_ms_and_multiples_of_g_and_marks_the_snap():
-    history = make_history([10, 0, -8, -12])
-    positions, force, shock = axes = history_of(history)
-    time = [0.0, 0.01, 0.02, 0.03]
-    beam, mass = positions.lines[:2]
-    assert beam.get_xydata().tolist() == [[t, w] for t, w in zip(time, history.w_mid, strict=True)]
-    assert mass.get_ydata().tolist() == [11, 1, -7, -11]
-    assert force.lines[0].get_ydata().tolist() == [0, 0, 0, 0]
-    assert shock.lines[0].get_ydata() == pytest.approx([2000, 2000, 2000, 2000])
-    assert line(positions, "second").get_ydata() == [-9.0, -9.0]
-    assert line(positions, "snap").get_xydata().tolist() == [[0.0225, -9.0]]
-    assert all([0.0225, 0.0225] in [list(line.get_xdata()) for line in ax.lines] for ax in axes)
-    assert [len(ax.lines) for ax in history_of(make_history([10, 5, 10]))] == [3, 1, 1]
+def curves_of(history):
+    """The points of the lines in each of the three panels."""
+    panels = figure.draw_history(style.double_column(height=4.2).subplots(3, sharex=True), history)
+    return [[np.transpose(line.get_data()).tolist() for line in ax.lines] for ax in panels]
 
 
 @pytest.mark.usefixtures("paper")
-def test_snap_time_is_between_two_samples_or_not_seen():
-    assert histories.snap_time(make_history([10, 0, -8, -12, -5, -12])) == 22.5
-    assert math.isnan(histories.snap_time(make_history([10, 0, -8.9])))
+def test_a_figure_has_the_history_in_ms_and_multiples_of_g_and_marks_the_first_snap_if_seen():
+    time, w = 0.01 * np.arange(6), [10, 0, -8, -12, -5, -12]
+    (beam, mass, *lines), (force, *of_force), (shock, *of_shock) = curves_of(make_history(*w))
+    for curve, values in ((beam, w), (mass, np.add(w, 1)), (force, 0 * time), (shock, 2000)):
+        np.testing.assert_allclose(curve, np.transpose(np.broadcast_arrays(time, values)))
+    snap = [[0.0225, 0], [0.0225, 1]]
+    assert lines == [[[0, -9], [1, -9]], snap, [[0.0225, -9.0]]] and of_force == of_shock == [snap]
+    assert [len(curves) for curves in curves_of(make_history(10, 0, -8.9))] == [3, 1, 1]

@@ -1,92 +1,190 @@
-"""Shocks of a config: shapes, records, directions; and those that must or must not trip."""
+"""Shocks that must or must not trip: their verdicts, what would mend them, and their figure."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
+from matplotlib.collections import LineCollection
+from small_results import artists, drawn
 
 import snapmap
 from snapmap.applications.requirements.check import check, judge, summary, worst
-from snapmap.applications.requirements.corners import Verdict, corners
+from snapmap.applications.requirements.corners import Verdict, corners, read_verdicts
+from snapmap.applications.requirements.figure import draw_margins
+from snapmap.applications.requirements.required import RequiredShock
+from snapmap.applications.requirements.verdicts import hint, write_verdicts
+from snapmap.config.study import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Settings
 from snapmap.study.study import Study
 
-SETTINGS = Settings(horizon=300.0)
 
-
-def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout):
+def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
     record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
-    found = snapmap.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
-    first, error = found.N_first.item(), found.N_error.item()
-    assert found.scale_first.item() == pytest.approx(first / 100)
-    near = {"at": first, "in the bar below": first - error / 2}
-    amounts = {"below": 0.99 * first, **near, "above": 1.01 * first}
+    threshold = snapmap.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
+    first, error = threshold.N_first.item(), threshold.N_error.item()
+    assert threshold.scale_first.item() == pytest.approx(first / 100)
+    amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
+    amounts["above"] = 1.01 * first
     pulse = {"shocks": make_shocks(record), "f0": 2000.0}
     asked = [
         {"name": f"{name} {must}", "N": N, "snaps": must, **pulse}
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(device=handout, settings=SETTINGS), asked, [25.0])
+    verdicts = check(Study(device=handout, settings=study.settings), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
-    assert [one.verdict for one in verdicts] == expected
-    for one, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
-        assert one.N_first == first and one.N_error == error
-        assert one.margin == pytest.approx(first / N)
-        assert (one.scale, one.scale_first) == pytest.approx((N / 100, first / 100))
-        assert one.duration == 0.5 and one.shape == "half sine" and one.direction == "+z"
-    told = summary(verdicts)
-    assert told.startswith("2 of 8 requirements met; failed: below True, above False; unclear: at")
-    one, words = worst(verdicts)
-    off = {one.requirement: abs(np.log(one.margin)) for one in verdicts if one.verdict == "failed"}
-    assert off[one.requirement] == max(off.values())
-    assert ("not sensitive enough, trips" if one.must_snap else "too sensitive, trips") in words
+    assert [verdict.verdict for verdict in verdicts] == expected
+    for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
+        assert (verdict.N_first, verdict.N_error) == (first, error)
+        scaled = verdict.margin, verdict.scale, verdict.scale_first
+        assert scaled == pytest.approx((first / N, N / 100, first / 100))
+        assert (verdict.duration, verdict.shape, verdict.direction) == (0.5, "half sine", "+z")
+    line = "2 of 8 requirements met; failed: below True, above False; unclear: at"
+    assert summary(verdicts).startswith(line)
+    furthest, words = worst(verdicts)
+    off = {v.requirement: abs(np.log(v.margin)) for v in verdicts if v.verdict == "failed"}
+    assert off[furthest.requirement] == max(off.values())
+    side = "not sensitive enough" if furthest.must_snap else "too sensitive"
+    assert f"{side}, trips" in words
 
 
-def test_a_requirement_counts_under_each_shock_at_each_temperature(handout):
+def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
+    row = snapmap.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
+    assert row.ragged and gap > 0
+    required = {"name": "ragged", "N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0}
+    (verdict,) = check(study, [required | {"snaps": True, "shocks": study.shocks}], [0.025])
+    assert verdict.verdict == "unclear"
+
+
+def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, study):
     """The verdict is the worst one; a shock that may trip or not has none of the trip."""
-    model = {"name": "cosines", "modes": 3}
-    device = replace(handout, modulus_slope=-1e-3)
-    asked = {"model": model, "pulse": ["half sine", "versed sine"], "direction": "both"}
-    degrees = [-40.0, 120.0]
-    found = snapmap.threshold(
-        device, [2000.0], [25.0], temperature=degrees, horizon=300.0, **asked
-    ).N_first.squeeze(["C", "f0"])
-    required = {"f0": 2000.0, "shocks": make_shocks(asked["pulse"], asked["direction"])}
-    N = float(np.sqrt(found.min() * found.max()))
-    required |= {"name": "launch", "N": N, "snaps": True}
-    others = {"name": "set back", "N": N, "snaps": "any"}
-    study = Study(device=device, model=model, settings=SETTINGS)
-    verdicts = check(study, [required, required | others], [25.0], temperatures=degrees)
+    device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
+    shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
+    asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
+    thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
+    N = float(np.sqrt(thresholds.min() * thresholds.max()))
+    required = {"name": "launch", "N": N, "snaps": True, "f0": 2000.0}
+    required["shocks"] = make_shocks(*shapes.values())
+    needs = [required, required | {"name": "set back", "snaps": "any"}]
+    verdicts = check(replace(study, device=device), needs, [25.0], temperatures=degrees)
     launch, back = verdicts[:8], verdicts[8:]
-    for one in launch:
-        place = {key: getattr(one, key) for key in ("temperature", "shape", "direction")}
-        assert one.N_first == pytest.approx(found.sel(place).item(), rel=1e-4)
-        assert one.verdict == ("met" if found.sel(place).item() < N else "failed")
-    assert len({(one.temperature, one.shape, one.direction) for one in launch}) == 8
+    places = [(v.temperature, v.shape, v.direction) for v in launch]
+    assert len({*places}) == 8
+    for verdict, (temperature, shape, direction) in zip(launch, places, strict=True):
+        first = thresholds.sel(temperature=temperature, shape=shape, direction=direction).item()
+        assert verdict.N_first == pytest.approx(first, rel=1e-4)
+        assert verdict.verdict == ("met" if first < N else "failed")
     assert summary(launch) == "0 of 1 requirements met; failed: launch"
-    last = launch[np.argmax([one.margin for one in launch])]
-    one, words = worst(launch)
-    assert one == last
+    last, words = worst(launch)
+    assert last == max(launch, key=lambda verdict: verdict.margin)
     assert f"launch, {last.shape} {last.direction}, C = 25, {last.temperature:g} degC" in words
-    ((front, *rest),) = corners([each._asdict() for each in launch])
+    ((front, *rest),) = corners([verdict._asdict() for verdict in launch])
     assert front["N_first"] == last.N_first and len(rest) == 7
-    assert {one.verdict for one in back} == {"met"} and worst(back) == (None, "")
+    assert {verdict.verdict for verdict in back} == {"met"} and worst(back) == (None, "")
 
 
-def test_a_requirement_fails_if_the_beam_breaks(handout):
-    blank = dict.fromkeys(Verdict._fields) | {"verdict": "met"}
-    told, brittle = Verdict(**blank), replace(handout, strength=1500.0)
-    for stress, must, verdict in ((1499, 0.999, "met"), (1501, 0.999, "failed"), (1501, 0, "met")):
-        found, survival = judge(told, brittle, float(stress), must)
-        assert found.verdict == verdict
+BRITTLE = {"strength": 1500.0}
+WEIBULL = BRITTLE | {"strength_modulus": 2.0, "strength_threshold": 1000.0}
+"""At 1400 MPa exp(-(1400 - 1000)^2/1500^2) = 0.931 survive."""
+
+
+@pytest.mark.parametrize(
+    ("strength", "stress", "must", "verdict"),
+    [
+        *((BRITTLE, 1499.0, 0.999, "met"), (BRITTLE, 1501.0, 0.999, "failed")),
+        *((BRITTLE, 1501.0, 0, "met"), ({}, 9e9, 0.999, "met"), (WEIBULL, 900.0, 0.9, "met")),
+        *((WEIBULL, 1400.0, 0.9, "met"), (WEIBULL, 1600.0, 0.9, "failed")),
+    ],
+)
+def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must, verdict):
+    blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
+    judged, survival = judge(blank, replace(handout, **strength), stress, must)
+    assert judged.verdict == verdict
+    if strength == BRITTLE:
         assert survival == (must, pytest.approx(1500 / stress), float(stress > 1500))
-    found, survival = judge(told, handout, 9e9, 0.999)
-    assert found.verdict == "met" and np.isnan(survival.strength_margin)
-    scattered = replace(brittle, strength_modulus=2.0, strength_threshold=1000.0)
-    verdicts = [
-        judge(told, scattered, stress, 0.9)[0].verdict for stress in (900.0, 1400.0, 1600.0)
+    assert np.isnan(survival.strength_margin) == (not strength)
+
+
+@pytest.fixture
+def document(root):
+    """The handout's config by three cosines, to 300 us after a shock."""
+    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
+    document["sweep"]["horizon"] = "300 us"
+    return document | {"model": {"name": "cosines", "modes": 3}}
+
+
+def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, document):
+    """What the first damper needs must not make another requirement fail at the second."""
+    study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
+    N_first = snapmap.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
+    light, damped = N_first.values.ravel()
+    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
+    trips = RequiredShock(shock | {"name": "trips", "N": 0.97 * damped, "snaps": True})
+    stays = RequiredShock(shock | {"name": "stays", "N": 0.97 * light, "snaps": False})
+    needs = [trips, stays]
+    verdicts = [verdict for need in needs for verdict, _ in need.check(study, dampers)]
+    wrong, _ = worst(verdicts)
+    assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
+    words = hint(study, needs, verdicts, wrong)
+    assert re.fullmatch(r".*a beam \d+% thinner.* meets it, all else unchanged", words)
+    changes = re.findall(r"a (?:mass|spring|beam) \d+% \w+", words)
+    assert len(changes) > 1 and words.count(" (then stays fails)") == len(changes)
+    alone = hint(study, [trips], verdicts[:2], wrong)
+    assert "then" not in alone and all(change in alone for change in changes)
+    assert hint(study, needs, verdicts, verdicts[0]) == ""
+
+
+@pytest.mark.parametrize(("strength", "breaks"), [("1 MPa", True), ("100 GPa", False)])
+def test_the_closing_line_says_where_the_beam_breaks(document, tmp_path, capsys, strength, breaks):
+    """A shock far below the threshold fails by the strength alone, and the line says so."""
+    document["device"]["strength"] = strength
+    document["sweep"]["C"] = ["25 uN us/um"]
+    needs = {"name": "handling", "N": 50, "f0": "1 kHz", "snaps": False, "survives": True}
+    study = load_config(document | {"requirements": [needs]})
+    write_verdicts(study, study.requests["requirements"], str(tmp_path / "requirements.csv"))
+    line = capsys.readouterr().out
+    assert ("the beam breaks in handling" in line) == breaks == ("failed: handling" in line)
+
+
+def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
+    rows = "nan,12,nan,True,met,0.999", "b,,0.5,False,failed,nan", "c,,1,any,met,1"
+    head = "requirement,device,margin,must_snap,verdict,must_survive"
+    (tmp_path / "requirements.csv").write_text("\n".join([head, *rows, ""]))
+    verdicts = read_verdicts(tmp_path / "requirements.csv")
+    np.testing.assert_equal(
+        [[*verdict.values()] for verdict in verdicts],
+        [
+            ["nan", "12", np.nan, True, "met", 0.999],
+            ["b", "", 0.5, False, "failed", np.nan],
+            ["c", "", 1.0, "any", "met", 1.0],
+        ],
+    )
+
+
+@pytest.mark.usefixtures("paper")
+def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_in_front():
+    shock = {"device": "", "C": 25.0, "must_survive": 0.999, "start": "first"}
+    shock |= {"shape": "half sine", "direction": "-z", "temperature": -40.0}
+    keys = "requirement", "margin", "margin_error", "verdict", "must_snap", "break_probability"
+    rows = [
+        ("drop", 0.8, 0.01, "met", True, 0.0),
+        ("back", np.nan, np.nan, "met", False, 1e-4),
+        ("shelf", 0.9, 0.02, "failed", False, 0.01),
     ]
-    assert verdicts == ["met", "met", "failed"]  # exp(-(1400 - 1000)^2/1500^2) = 0.931
+    drop, _, shelf = verdicts = [shock | dict(zip(keys, row, strict=True)) for row in rows]
+    ax = drawn(draw_margins, verdicts)
+    points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() in "oX"]
+    assert points == [[0.9, 0.0], [0.8, 1.0]]  # by slack, the failed first
+    bars = [bar.get_segments()[0][:, 0].tolist() for bar in artists(ax, LineCollection)]
+    assert bars == [pytest.approx([0.88, 0.92]), pytest.approx([0.79, 0.81])]
+    assert [text.xy[1] for text in ax.texts] == [0, 2]  # breaks; no threshold
+    verdicts.append(shelf | {"margin": 1.2, "verdict": "met"})
+    verdicts.append(drop | {"requirement": "hit", "must_snap": "any", "margin": 1.1})
+    ax = drawn(draw_margins, verdicts)
+    dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "."]
+    assert [points for points in dots if points] == [[[1.2, 0.0]]]  # the one that fails is in front
+    assert len(ax.get_yticklabels()) == 4

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
+from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import root
-from small_results import ATTRIBUTES, drawn
+from small_results import drawn
 from varied import alone, varied
 
 import snapmap
-from snapmap.applications.statics import figure as statics
+from snapmap.applications.statics import figure
 from snapmap.beam.equilibria import buckling_modes
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
@@ -26,26 +26,17 @@ def path(handout):
     return snapmap.statics(handout)
 
 
-def test_the_path_has_the_exact_wells_and_saddle(path, handout):
-    """F = 0 in both shapes and at the saddle w_s = -rise/3, with the exact energies."""
+def test_the_path_has_the_exact_shapes_energies_forces_and_stiffness(path, handout):
+    """F = 0 in both shapes and at the saddle w_s = -rise/3; 192 EI/L^3 at first, then straight."""
     guided = path.sel(branch="guided")
     way, force, energy = (guided[key].values for key in ("displacement", "force", "energy"))
     crossing = np.flatnonzero(np.diff(np.sign(force[1:]))) + 1
-    w2 = handout.beam.second_equilibrium
-    np.testing.assert_allclose(way[crossing], [40 / 3, 10 - w2], rtol=5e-3)
+    second = 10 - handout.beam.second_equilibrium
+    np.testing.assert_allclose(way[crossing], [40 / 3, second], rtol=5e-3)
     np.testing.assert_allclose(energy[crossing], [486.805, 385.962], rtol=1e-4)
-    assert path.saddle == pytest.approx(-10 / 3) and path.barrier == pytest.approx(
-        486.805, rel=1e-5
-    )
+    assert (path.saddle, path.barrier) == pytest.approx((-10 / 3, 486.805), rel=1e-5)
     assert way[0] == force[0] == energy[0] == 0
-
-
-def test_the_path_has_the_exact_forces(path, handout):
-    """Top and bottom, and the stiffness 192 EI/L^3 of the start and that of the straight part."""
-    assert path.largest_force == pytest.approx(70.67, abs=0.01)
-    assert path.least_force == pytest.approx(-32.54, abs=0.01)
-    guided = path.sel(branch="guided")
-    way, force = guided.displacement.values, guided.force.values
+    assert (path.largest_force, path.least_force) == pytest.approx((70.67, -32.54), abs=0.01)
     assert way[np.argmax(force)] == pytest.approx(2.349, abs=2e-3)
     assert way[np.argmin(np.where(way < 19, force, 0))] == pytest.approx(18.39, abs=0.01)
     straight = np.polyfit(way[410:790], force[410:790], 1)
@@ -64,21 +55,18 @@ CLOSED = {5: (386.1, 2.5225), 6: (389.665, -1.0424), 12: (395.596, -6.9736), 20:
 def test_a_free_beam_tilts_at_the_closed_form(handout, Q):
     """At N = 80.76 EI/L^2 the symmetric part of all modes alone bears the force: a quadratic."""
     device = free(handout, Q, 1e-9)
-    found = snapmap.statics(device)
-    unit = device.beam.stiffness_unit * device.beam.rise
-    forces = found.largest_force / unit, found.least_force / unit
+    statics, unit = snapmap.statics(device), device.beam.stiffness_unit * device.beam.rise
+    forces = statics.largest_force / unit, statics.least_force / unit
     assert forces == pytest.approx(CLOSED[Q], abs=1e-3)
-    assert (found.barrier > 0) == (forces[1] < 0)
-    assert found.force.sel(branch="guided").max() > found.largest_force
+    assert (statics.barrier > 0) == (forces[1] < 0)
+    assert statics.force.sel(branch="guided").max() > statics.largest_force
 
 
 def test_the_energy_is_the_work_of_the_force(path, handout):
-    both = [path.sel(branch=branch) for branch in path.branch.values]
-    for one in (*both, snapmap.statics(free(handout, 6, 0.03)).sel(branch="tilted")):
-        steps = np.diff(one.displacement.values)
-        force = one.force.values
-        work = np.append(0, np.cumsum((force[1:] + force[:-1]) / 2 * steps))
-        np.testing.assert_allclose(one.energy, work, atol=0.05)
+    tilted = snapmap.statics(free(handout, 6, 0.03)).sel(branch="tilted")
+    for branch in (*[path.sel(branch=name) for name in path.branch.values], tilted):
+        work = cumulative_trapezoid(branch.force, branch.displacement, initial=0)
+        np.testing.assert_allclose(branch.energy, work, atol=0.05)
 
 
 PUSHED = {"damping": 4e-3, "free": 1.0, "imperfection": 0.05}
@@ -106,8 +94,7 @@ def test_slow_pulses_tend_to_the_static_threshold(handout, values):
 
 
 @pytest.mark.parametrize("force", [0.0, 1.0])
-def test_slow_pulses_on_a_beam_alone_tend_to_the_static_thresholds(handout, force):
-    """There and back."""
+def test_slow_pulses_on_a_beam_alone_tend_to_its_static_thresholds_there_and_back(handout, force):
     device = alone(handout, force, **PUSHED)
     assert lowest_slow(device, 500.0, 0.0) == pytest.approx(1, rel=2e-3)
     device = varied(device, residual_stress=-60.0)
@@ -127,7 +114,7 @@ def test_static_thresholds_of_a_batch_are_those_of_its_devices(handout):
     apart = [{"gap": 1e4}, {"stop_toward": 5.0}, {"stop_toward": 3.0, "gap": 1.5}]
     devices = [varied(handout, **values) for values in (*SLOW, *apart)] * 3
     for back in (False, True):
-        each = [static_threshold(one, back) for one in devices]
+        each = [static_threshold(device, back) for device in devices]
         np.testing.assert_array_equal(static_threshold(batch(devices), back), each)
 
 
@@ -151,19 +138,16 @@ def forces_held(beam, ways):
     """
     n, made = np.arange(1, 41), np.zeros(40)
     made[:2] = beam.rise, beam.rise * beam.cosine_2
-    square = (2 * np.pi * n / beam.span) ** 2
+    square, axial = (2 * np.pi * n / beam.span) ** 2, beam.youngs_modulus * beam.area
     slope = beam.span / 8 * square
     bending, at_middle = beam.bending_stiffness * square * slope, n % 2
 
     def residual(unknown, way):
         a, force = unknown[:-1], unknown[-1]
-        stretch = (slope @ a**2 - slope @ made**2) / (2 * beam.span)
-        pull = beam.youngs_modulus * beam.area * stretch * slope
+        pull = axial * (slope @ a**2 - slope @ made**2) / (2 * beam.span) * slope
         loads = bending * (a - made) + pull * a + force * at_middle
-        change = np.diag(bending + pull)
-        change += beam.youngs_modulus * beam.area / beam.span * np.outer(slope * a, slope * a)
-        border = np.append(at_middle, 0)[np.newaxis]
-        jacobian = np.block([[change, border[:, :-1].T], [border]])
+        change = np.diag(bending + pull) + axial / beam.span * np.outer(slope * a, slope * a)
+        jacobian = np.block([[change, at_middle[:, np.newaxis]], [at_middle, 0.0]])
         return np.append(loads, at_middle @ a - beam.rise + way), jacobian
 
     forces, unknown = [], np.append(made, 0.0)
@@ -179,51 +163,31 @@ def forces_held(beam, ways):
 def test_a_guided_beam_with_a_second_cosine_is_as_stiff_as_its_energy_says(handout, cosine_2):
     device = varied(handout, cosine_2=cosine_2, contact_at=-5.0)
     path, ways = snapmap.statics(device), np.linspace(0, 20, 401)
-    forces = forces_held(device.beam, ways)
-    guided = path.sel(branch="guided")
-    found = np.interp(ways, guided.displacement, guided.force)
-    np.testing.assert_allclose(found, forces, atol=0.05)
+    forces, guided = forces_held(device.beam, ways), path.sel(branch="guided")
+    np.testing.assert_allclose(
+        np.interp(ways, guided.displacement, guided.force), forces, atol=0.05
+    )
     extremes = path.largest_force, path.least_force
     assert extremes == pytest.approx((forces.max(), forces.min()), abs=0.01)
     assert path.hold_force == pytest.approx(max(0.0, -forces[300]), abs=5e-3)
 
 
 def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
-    monkeypatch.setattr(
-        "snapmap.applications.statics.statics.largest_force", lambda *_: np.array(np.nan)
-    )
+    name = "snapmap.applications.statics.statics.largest_force"
+    monkeypatch.setattr(name, lambda *_: np.array(np.nan))
     assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)
 
 
-def make_statics():
-    """A force that rises to 70, falls through the saddle at 12 um to -30, and rises again."""
-    w = np.array([0.0, 2.0, 12.0, 18.0, 19.0, 20.0])
-    force = np.array([[0.0, 70.0, 0.0, -30.0, 0.0, 40.0], [0.0, 70.0, 90.0, -30.0, 0.0, 40.0]])
-    energy = np.array(
-        [[0.0, 70.0, 490.0, 400.0, 385.0, 405.0], [0.0, 70.0, 800.0, 400.0, 385.0, 405.0]]
-    )
-    axes = ("branch", "point")
-    variables = {"displacement": (axes, [w, w]), "force": (axes, force), "energy": (axes, energy)}
-    attributes = {"rise": 10.0, "second_equilibrium": -9.0, "saddle": -2.0, "barrier": 490.0}
-    attributes |= {"largest_force": 70.0, "least_force": -30.0} | ATTRIBUTES
-    return xr.Dataset(variables, {"branch": ["guided", "unbranched"]}, attributes)
-
-
-def line(ax, label):
-    return next(line for line in ax.lines if line.get_label().startswith(label))
-
-
 @pytest.mark.usefixtures("paper")
-def test_statics_are_the_data_and_mark_wells_saddle_and_peaks():
-    found = make_statics()
-    force = drawn(statics.draw_force_displacement, found)
-    energy = drawn(statics.draw_energy, found)
-    for ax, values in ((force, found.force), (energy, found.energy)):
-        unbranched, followed = ax.lines[:2]
-        w = found.displacement.values[0].tolist()
-        assert followed.get_xydata().T.tolist() == [w, values[0].values.tolist()]
-        assert unbranched.get_ydata().tolist() == values[1].values.tolist()
-    assert line(force, "stable").get_xydata().tolist() == [[0.0, 0.0], [19.0, 0.0]]
-    assert line(force, "saddle").get_xydata().tolist() == [[12.0, 0.0]]
-    assert line(energy, "stable").get_ydata().tolist() == [0.0, 385.0]
-    assert line(energy, "saddle").get_ydata().tolist() == [490.0]
+def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the_saddle(path):
+    second, saddle = 10 - path.second_equilibrium, 10 - path.saddle
+    for draw, key, heights in (
+        (figure.draw_force_displacement, "force", (0, 0, 0)),
+        (figure.draw_energy, "energy", (0, 385.962, 486.805)),
+    ):
+        *paths, stable, unstable = (line.get_xydata().T for line in drawn(draw, path).lines[:4])
+        for branch, points in zip(("unbranched", "guided"), paths, strict=True):
+            expected = path.sel(branch=branch)
+            np.testing.assert_array_equal(points, [expected.displacement, expected[key]])
+        np.testing.assert_allclose(stable, [[0, second], heights[:2]], rtol=1e-4)
+        np.testing.assert_allclose(unstable, [[saddle], heights[2:]], rtol=1e-4)

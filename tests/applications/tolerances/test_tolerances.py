@@ -1,7 +1,6 @@
 """Devices as made: samples, thresholds, probability, sensitivity and yield."""
 
 import itertools
-import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +8,12 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 from scipy import stats
-from small_results import ATTRIBUTES, F0, artists, drawn
+from small_results import artists, drawn
 from varied import varied
 
 import snapmap
-from snapmap.applications.tolerances import figure as tolerances
+from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
-from snapmap.applications.tolerances.figure import draw_probability
 from snapmap.applications.tolerances.sensitivity import crossed, indices
 from snapmap.applications.tolerances.statistics import (
     count_below,
@@ -24,17 +22,13 @@ from snapmap.applications.tolerances.statistics import (
     quantiles,
 )
 from snapmap.device.samples import CUT, Plan, Tolerances
-from snapmap.figures.style import single_column
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
-from snapmap.study.study import Study
 from snapmap.thresholds import population as batches
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
-
-
 SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
 SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
 
@@ -61,25 +55,22 @@ def test_samples_are_seeded_grow_and_move_together(handout):
     assert abs(stats.spearmanr(many[0, :, 0], many[1, :, 0])[0]) < 0.05
 
 
+def ishigami(u):
+    x1, x2, x3 = np.moveaxis(np.pi * (2 * u - 1), -1, 0)
+    return (np.sin(x1) + 7 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))[..., np.newaxis]
+
+
 def test_indices_are_those_of_ishigamis_function():
+    """Ishigami and Homma (1990): variances of the parts, with a = 7 and b = 0.1."""
+    both, lone, rest = 0.5 * (1 + np.pi**4 / 50) ** 2, 49 / 8, np.pi**8 * (1 / 18 - 1 / 50) / 100
+    exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / (both + lone + rest)
     points = Plan(None, {"N": "1 %", "C": "1 %", "duration": "1 %"}).points(4096, seed=1)
-
-    def ishigami(u):
-        x1, x2, x3 = np.moveaxis(np.pi * (2 * u - 1), -1, 0)
-        return (np.sin(x1) + 7 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1))[..., np.newaxis]
-
-    mixed = ishigami(crossed(points))
-    # Ishigami and Homma (1990): variances of the parts, with a = 7 and b = 0.1.
-    both, lone = 0.5 * (1 + np.pi**4 / 50) ** 2, 49 / 8
-    whole = both + lone + np.pi**8 * (1 / 18 - 1 / 50) / 100
-    rest = whole - both - lone
-    exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / whole
-    found = indices(ishigami(points[0]), ishigami(points[1]), mixed, seed=5)[..., 0]
-    np.testing.assert_allclose(found[:, 0], exact, atol=0.01)
-    assert (found[:, 1] <= exact).all() and (exact <= found[:, 2]).all()
-    gone = ishigami(points[0])
-    gone[[3, 70, 500]] = np.nan
-    again = indices(gone, ishigami(points[1]), mixed, seed=5)[..., 0]
+    (first, second), mixed = map(ishigami, points), ishigami(crossed(points))
+    estimates = indices(first, second, mixed, seed=5)[..., 0]
+    np.testing.assert_allclose(estimates[:, 0], exact, atol=0.01)
+    assert (estimates[:, 1] <= exact).all() and (exact <= estimates[:, 2]).all()
+    first[[3, 70, 500]] = np.nan
+    again = indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(again[:, 0], exact, atol=0.03)
 
 
@@ -99,14 +90,13 @@ def test_statistics_count_what_never_snaps():
 
 
 def test_bounds_of_a_quantile_are_order_statistics():
+    """At 95 % each: of so many samples at least `low` lie below the median, and so on."""
     shares, N_first = [0.001, 0.05, 0.5, 0.95, 0.999], np.arange(1.0, 2996.0)[:, np.newaxis]
-    low, high = quantile_bounds(N_first, shares)[..., 0]
-    # 2995 samples are the fewest that bound these two, and 59 these.
-    assert (low[0], high[-1]) == (1, 2995)
-    assert np.isnan(quantile_bounds(N_first[:2994], shares)[[0, 1], [0, -1], 0]).all()
-    assert quantile_bounds(N_first[:59], shares)[[0, 1], [1, 3], 0].tolist() == [1, 59]
-    assert np.isnan(quantile_bounds(N_first[:58], shares)[[0, 1], [1, 3], 0]).all()
-    # At 95 % each: of so many samples at least `low` lie below the median, and so on.
+    bounds = lambda size: quantile_bounds(N_first[:size], shares)[..., 0]  # noqa: E731
+    low, high = bounds(2995)
+    for fewest, ends in ((2995, [0, -1]), (59, [1, 3])):
+        assert bounds(fewest)[[0, 1], ends].tolist() == [1, fewest]
+        assert np.isnan(bounds(fewest - 1)[[0, 1], ends]).all()
     assert stats.binom.sf(low[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.sf(low[2], 2995, 0.5)
     assert stats.binom.cdf(high[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.cdf(high[2] - 2, 2995, 0.5)
     assert (low[1:-1] < quantiles(N_first, shares)[1:-1, 0]).all()
@@ -120,8 +110,8 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
         values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
-        own = np.array(f0) / sample.duration_factor.item()
-        alone = snapmap.threshold(varied(handout, **values), own, C, **CHEAP)
+        stretched = np.array(f0) / sample.duration_factor.item()
+        alone = snapmap.threshold(varied(handout, **values), stretched, C, **CHEAP)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
         # Clean rows may hide an island as narrow as their bars.
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
@@ -144,42 +134,51 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
     """Standard deviations and indices from the slopes, as docs/limits.md lists them."""
-    scatters, f0 = {"thickness": "1 %", "youngs_modulus": "1 %", "rise": "1 %"}, [1500.0]
+    scatters, shock = (
+        dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %"),
+        ([1500], [0.025]),
+    )
     how = {"samples": 1024, "tolerance": 1e-4, "threads": 2}
-    made = snapmap.tolerance(handout, scatters, f0, [0.025], **how, **CHEAP)
-    slopes = []
+    made = snapmap.tolerance(handout, scatters, *shock, **how, **CHEAP)
+    linear, percent = [], np.array([0.99, 1.01])
     for key in scatters:
-        value = getattr(handout.beam, key)
-        ends = {key: [0.99 * value, 1.01 * value]}
-        N = snapmap.threshold(handout, f0, [0.025], tolerance=1e-6, **ends, **CHEAP).N_first
-        slopes.append(float(np.log(N[1] / N[0]).item()) / np.log(1.01 / 0.99))
-    linear = np.array(slopes) * 0.01
-    spread = float((made.N_std / made.N_nominal).item())
-    assert spread == pytest.approx(np.sqrt(np.sum(linear**2)), rel=0.02)
-    share = linear**2 / np.sum(linear**2)
-    np.testing.assert_allclose(made.sensitivity.sel(order="first").squeeze(), share, atol=0.02)
-    np.testing.assert_allclose(made.sensitivity.sel(order="total").squeeze(), share, atol=0.02)
+        ends = {key: percent * getattr(handout.beam, key)}
+        N = snapmap.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
+        linear.append(0.01 * (np.diff(np.log(N)) / np.diff(np.log(percent))).item())
+    spread = np.linalg.norm(linear)
+    assert (made.N_std / made.N_nominal).item() == pytest.approx(spread, rel=0.02)
+    share = np.square(linear) / spread**2
+    for order in ("first", "total"):
+        index = made.sensitivity.sel(order=order).squeeze()
+        np.testing.assert_allclose(index, share, atol=0.02)
     low, high = made.sensitivity_bound.sel(order="first").squeeze().transpose("bound", "value")
     assert (low <= share).all() and (share <= high).all()
 
 
-def test_samples_without_a_second_shape_count_and_never_snap(handout):
-    thin = varied(handout, rise=5.0)
-    asked = {"thickness": {"uniform": "25 %"}}, [1500.0], [25.0]
-    made = snapmap.tolerance(thin, *asked, samples=128, **CHEAP)
-    lost = made.thickness > 5 * np.sqrt(3) / 4
-    np.testing.assert_array_equal(made.bistable == 0, lost)
+@pytest.fixture(scope="module")
+def scattered(handout):
+    """Devices of which some have no second shape, and a shock that about half of them withstand."""
+    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True, "shocks": make_shocks()}
+    how = {"samples": 128, "requirements": [drop]} | CHEAP
+    scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
+    f0 = [800.0, 1500.0, 3000.0]
+    return snapmap.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
+
+
+def test_samples_without_a_second_shape_count_and_never_snap(scattered):
+    lost = scattered.thickness > 5 * np.sqrt(3) / 4
+    np.testing.assert_array_equal(scattered.bistable == 0, lost)
     assert 0.1 < lost.mean() < 0.5
-    assert made.N_first.squeeze().isnull().where(lost, False).sum() == lost.sum()
-    assert made.probability.max() == pytest.approx(1 - lost.mean().item())
+    snaps = scattered.N_first.notnull()
+    assert not (snaps & lost).any() and (snaps | lost).all()
+    assert scattered.probability.max() == pytest.approx(1 - lost.mean().item())
 
 
+@pytest.mark.usefixtures("paper")
 def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
     made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
     assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        ax = draw_probability(single_column(3.0).subplots(), made.isel(C=0))
+    ax = drawn(figure.draw_probability, made.isel(C=0))
     assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
 
 
@@ -191,21 +190,21 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
         {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": True},
         {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
-    brittle = replace(handout, strength=320.0)
-    made = snapmap.tolerance(
-        brittle, {"thickness": "5 %"}, [1500.0], [25.0], samples=100, requirements=asked, **CHEAP
-    )
-    first, rests = made.N_first_required.squeeze("C").values
+    brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
+    made = snapmap.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
+    made = made.squeeze("C")
+    first, rests = made.N_first_required.values
     trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
-    share = made.share_meeting.squeeze("C").values
-    np.testing.assert_allclose(share, [trips.mean(), quiet.mean()], atol=0.011)
-    followed = made.stress_max.squeeze("C").dropna("sample")
+    shares = trips.mean(), quiet.mean()
+    np.testing.assert_allclose(made.share_meeting, shares, atol=0.011)
+    followed = made.stress_max.dropna("sample")
+    assert followed.sizes["sample"] == 10
     good = (trips & quiet)[:10] & (followed <= 320).all("requirement").values
     assert 0 < good.sum() < (trips & quiet)[:10].sum()
     assert made["yield"].item() == pytest.approx(good.mean())
-    assert made.yield_bound.values[0] < made["yield"].item() < made.yield_bound.values[1]
-    assert followed.sizes["sample"] == 10
-    np.testing.assert_allclose(made.share_breaking.squeeze("C"), (followed > 320).mean("sample"))
+    low, high = made.yield_bound.values
+    assert low < made["yield"].item() < high
+    np.testing.assert_allclose(made.share_breaking, (followed > 320).mean("sample"))
     assert 0 < made.share_breaking.values[0] < 1
     alone = varied(handout, thickness=made.thickness[0].item())
     run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
@@ -215,88 +214,60 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
 
-def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout):
+def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
     device = replace(handout, modulus_slope=-1e-3, strength=1e6)
-    study = Study(
-        device=device, model={"name": "cosines", "modes": 3}, settings=Settings(horizon=300.0)
-    )
     made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
     both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
-    common = {"N": 1000.0, "f0": 1500.0}
-    needs = [
-        common | {"name": "trips", "snaps": True, "shocks": both},
-        common | {"name": "rests", "snaps": False, "shocks": both},
-        common | {"name": "survives", "snaps": "any", "shocks": both},
-    ]
-    axes = {"C": [25.0], "f0": [1500.0]}
-    found = tolerances_of(study, axes | {"temperature": degrees}, made, needs)
+    common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
+    musts = {"trips": True, "rests": False, "survives": "any"}
+    needs = [common | {"name": name, "snaps": must} for name, must in musts.items()]
+    met = tolerances_of(replace(study, device=device), axes | {"temperature": degrees}, made, needs)
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
         single = [required | {"shocks": shocks} for required in needs[:2]]
         corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
         corners.append(corner.N_first_required.squeeze("C").values)
-    most, least = np.max(corners, axis=0), np.min(corners, axis=0)
-    trips, rests, _ = found.N_first_required.squeeze("C").values
-    np.testing.assert_allclose(trips, most[0], rtol=2e-3)  # steps of the search
-    np.testing.assert_allclose(rests, least[1], rtol=2e-3)
-    shares = (most[0] <= 1000).mean(), (least[1] > 1000).mean(), 1.0
-    np.testing.assert_allclose(found.share_meeting.squeeze("C"), shares, atol=1 / 32)
-    assert found["yield"].temperatures == "-40 to 120 degC"
-    assert min(shares) > 0 and found.must_snap.values.tolist() == [1, 0, 2]
-    stress = found.stress_max.squeeze("C").values
+    most, least = np.max(corners, axis=0)[0], np.min(corners, axis=0)[1]
+    trips, rests, _ = met.N_first_required.squeeze("C").values
+    np.testing.assert_allclose([trips, rests], [most, least], rtol=2e-3)  # steps of the search
+    shares = (most <= 1000).mean(), (least > 1000).mean(), 1.0
+    np.testing.assert_allclose(met.share_meeting.squeeze("C"), shares, atol=1 / 32)
+    assert met["yield"].temperatures == "-40 to 120 degC"
+    assert min(shares) > 0 and met.must_snap.values.tolist() == [1, 0, 2]
+    stress = met.stress_max.squeeze("C").values
     np.testing.assert_array_equal(stress[0], stress[1])
 
 
-def make_batch(f0=F0):
-    """Thresholds of four devices under one damper, of which one never snaps."""
-    N_first = np.array([900.0, 1000.0, 1100.0, np.nan])[:, np.newaxis, np.newaxis]
-    N_first = np.tile(N_first, (1, 1, f0.size)) + np.arange(f0.size)
-    of_f0, N = ("C", "f0"), np.linspace(800, 1200, 9)
-    share = np.mean(N_first[..., np.newaxis] <= N, axis=0)
-    index = np.stack([np.full((2, 1, f0.size), 0.9), np.full((2, 1, f0.size), 0.1)], axis=1)
-    variables = {
-        "N_first": (("sample", *of_f0), N_first),
-        "N_nominal": (of_f0, N_first[1]),
-        "N_quantile": (("quantile", *of_f0), np.tile(N_first[1], (5, 1, 1))),
-        "probability": ((*of_f0, "N"), share),
-        "probability_bound": (("bound", *of_f0, "N"), np.stack([share / 2, share])),
-        "sensitivity": (("order", "value", *of_f0), index),
-        "sensitivity_bound": (("bound", "order", "value", *of_f0), np.stack([index, index + 0.2])),
-        "N_first_required": (("requirement", "sample", "C"), N_first[np.newaxis, :, :, 0]),
-        "N_required": ("requirement", [1050.0]),
-        "must_snap": ("requirement", [1]),
-        "share_meeting": (("requirement", "C"), [[0.5]]),
-        "share_meeting_bound": (("bound", "requirement", "C"), [[[0.15]], [[0.85]]]),
-    } | {"yield": ("C", [0.4]), "yield_bound": (("bound", "C"), [[0.4], [0.9]])}
-    axes = {"C": [25.0], "f0": f0, "N": N, "quantile": list(tolerances.LINES)}
-    axes |= {"order": ["first", "total"], "value": ["thickness+depth", "N"]}
-    return xr.Dataset(variables, axes | {"requirement": ["drop"]}, ATTRIBUTES)
-
-
 @pytest.mark.usefixtures("paper")
-def test_devices_as_made_are_drawn_as_they_are():
-    found = make_batch().isel(C=0)
-    ax = drawn(tolerances.draw_probability, found)
+def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
+    ax = drawn(figure.draw_probability, scattered)
     (field,) = ax.collections
-    np.testing.assert_allclose(field.get_array(), found.probability.transpose("N", "f0"))
-    assert len(ax.lines) == len(tolerances.LINES) + 1
-    np.testing.assert_allclose(ax.lines[-1].get_ydata(), found.N_nominal)
-    ax = drawn(tolerances.draw_sensitivity, found)
-    shown = [line.get_ydata()[0] for line in ax.lines if len(line.get_ydata()) == F0.size]
-    assert sorted(shown) == [0.1, 0.1, 0.9, 0.9]
-    bars = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
-    assert bars == pytest.approx([1.0, 0.3])
+    np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
+    *quantiles, nominal = (line.get_ydata() for line in ax.lines)
+    expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
+    np.testing.assert_array_equal(quantiles, expected)
+    np.testing.assert_array_equal(nominal, scattered.N_nominal)
+    curve, *_ = drawn(figure.draw_probability, scattered.isel(f0=[1])).lines
+    np.testing.assert_array_equal(curve.get_ydata(), scattered.probability.isel(f0=1))
+    # Bounds of shares end at 1.
+    bounds = scattered.sensitivity_bound + xr.DataArray([0.0, 0.5], dims="bound")
+    ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity_bound=bounds))
+    shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
+    assert sorted(shown) == sorted(scattered.sensitivity.values.reshape(-1, 3).tolist())
+    tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
+    ends = bounds.sel(order="total").isel(bound=1, f0=0)
+    np.testing.assert_allclose(tops, np.minimum(ends, 1))
+    assert ends.max() > 1
 
 
 @pytest.mark.usefixtures("paper")
-def test_yields_and_requirements_are_drawn_as_they_are():
-    ax = drawn(tolerances.draw_yield, make_batch())
-    assert ax.lines[0].get_xydata().tolist() == [[0.5, 0.0], [0.4, 1.0]]
-    low, high = ax.get_xlim()
-    assert 0.05 < low < 0.15 and high > 1  # about the bounds, 0.15 to 0.9, and 1
-    ax = drawn(tolerances.draw_requirement, make_batch().isel(C=0, requirement=0))
-    assert sum(patch.get_height() for patch in ax.patches[1:]) == 3
-    assert ax.patches[0].get_x() == 1050.0
-    found = make_batch(np.array([1500.0])).isel(C=0)
-    ax = drawn(tolerances.draw_probability, found)
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), found.probability.squeeze())
+def test_yields_and_requirements_are_drawn_as_they_are(scattered):
+    ax = drawn(figure.draw_yield, scattered.expand_dims(C=[25.0], axis=-1))
+    shares = [scattered.share_meeting.item(), scattered["yield"].item()]
+    assert ax.lines[0].get_xydata().tolist() == [[share, i] for i, share in enumerate(shares)]
+    low = min(scattered.share_meeting_bound.min(), scattered.yield_bound.min()).item()
+    assert low - 0.1 < ax.get_xlim()[0] < low and ax.get_xlim()[1] > 1
+    ax = drawn(figure.draw_requirement, scattered.isel(requirement=0))
+    known = scattered.N_first_required.count().item()
+    assert sum(patch.get_height() for patch in ax.patches[1:]) == known < 128
+    assert ax.patches[0].get_x() == 400.0

@@ -2,23 +2,24 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
+from small_results import artists
+from varied import varied
 
 import snapmap
 from snapmap.applications.histories.history import extremes_of
-from snapmap.applications.window import figure as window
+from snapmap.applications.window import figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
 from snapmap.applications.window.window import summary, window_of
 from snapmap.device.samples import Tolerances
 from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Settings
-from snapmap.study.study import Study
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
@@ -30,104 +31,103 @@ NEEDS = [
 
 
 @pytest.fixture(scope="module")
-def study(handout):
-    device, model = replace(handout, strength=1e3), {"name": "cosines", "modes": 3}
-    return Study(device=device, model=model, settings=Settings(horizon=300.0))
+def strong(study):
+    return replace(study, device=replace(study.device, strength=1e3))
 
 
 @pytest.fixture(scope="module")
-def found(study):
-    return window_of(study, AXES, NEEDS, Tolerances(SCATTERS, samples=32))
+def met(strong):
+    """The window in which the needs are met."""
+    return window_of(strong, AXES, NEEDS, Tolerances(SCATTERS, samples=32))
 
 
-def test_a_window_ends_where_a_design_does(handout, found):
+def test_a_window_ends_where_a_design_does(handout, met):
     asked = {"C": 25.0, "between": (1.9, 2.4), "requirements": NEEDS}
-    one, reserve = snapmap.design(handout, "thickness", **asked, **CHEAP), found.reserve.sel(C=25.0)
-    for name, end in (("stay", one.low), ("trip", one.high)):
-        along = reserve.sel(requirement=name).sortby(reserve.sel(requirement=name))
+    design = snapmap.design(handout, "thickness", **asked, **CHEAP)
+    for name, end in (("stay", design.low), ("trip", design.high)):
+        along = met.reserve.sel(C=25.0, requirement=name)
+        along = along.sortby(along)
         assert np.interp(1.0, along, along.thickness) == pytest.approx(end.item(), abs=2e-3)
-    met = int((found.reserve.min("requirement") >= 1).sum())
-    line = summary(found, {"thickness": ("mm", 1e3), "C": ("uN*us/um", 1.0)})
-    assert f"met at {met} of 12 points" in line and " mm, C = " in line
+    points = int((met.reserve.min("requirement") >= 1).sum())
+    line = summary(met, {"thickness": ("mm", 1e3), "C": ("uN*us/um", 1.0)})
+    assert f"met at {points} of 12 points" in line and " mm, C = " in line
 
 
-def test_its_yields_and_stresses_are_those_of_one_device(handout, study, found):
-    device = replace(handout, beam=replace(handout.beam, thickness=2.1))
+def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
+    device = varied(handout, thickness=2.1)
     asked = {"requirements": NEEDS, "samples": 32, "index_samples": 2}
     made = snapmap.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
-    here = found.sel(thickness=2.1, method="nearest")
-    np.testing.assert_array_equal(here["yield"], made["yield"])
-    np.testing.assert_array_equal(here.yield_bound, made.yield_bound)
+    here = met.sel(thickness=2.1, method="nearest")
+    for key in ("yield", "yield_bound"):
+        np.testing.assert_array_equal(here[key], made[key])
     for required in NEEDS:
-        one = extremes_of(replace(study, device=device), required["N"], 1500.0, 60.0)
+        largest = extremes_of(replace(strong, device=device), required["N"], 1500.0, 60.0)
         stress = here.stress_max.sel(requirement=required["name"], C=60.0).item()
-        assert stress == pytest.approx(one.stress_max, rel=1e-6)
+        assert stress == pytest.approx(largest.stress_max, rel=1e-6)
 
 
-def test_where_the_beam_breaks_a_requirement_fails(study, found):
-    limit = found.stress_max.median().item()
-    brittle = replace(study, device=replace(study.device, strength=limit))
+def test_where_the_beam_breaks_a_requirement_fails(strong, met):
+    """With a strength that scatters where more than one in ten breaks."""
+    limit, of_strength = met.stress_max.median().item(), partial(replace, strong.device)
+    unbroken = met.stress_max < limit
+    assert 0 < unbroken.mean() < 1
+    brittle = replace(strong, device=of_strength(strength=limit))
     reserve = window_of(brittle, AXES, NEEDS).reserve
-    np.testing.assert_array_equal(reserve, found.reserve.where(found.stress_max < limit, 0))
-    # With a strength that scatters it fails where more than one in ten breaks.
+    np.testing.assert_array_equal(reserve, met.reserve.where(unbroken, 0))
     modulus, share = 8.0, 0.9
     scale = limit / (-np.log(share)) ** (1 / modulus)
-    device = replace(study.device, strength=scale, strength_modulus=modulus)
+    weibull = replace(strong, device=of_strength(strength=scale, strength_modulus=modulus))
     needs = [NEEDS[0] | {"survives": share}, NEEDS[1] | {"snaps": "any", "survives": share}]
-    trip, any_way = window_of(replace(study, device=device), AXES, needs).reserve
-    unbroken = found.stress_max < limit
-    assert 0 < unbroken.mean() < 1
-    np.testing.assert_array_equal(trip, found.reserve[0].where(unbroken[0], 0))
+    trip, any_way = window_of(weibull, AXES, needs).reserve
+    np.testing.assert_array_equal(trip, met.reserve[0].where(unbroken[0], 0))
     np.testing.assert_array_equal(any_way, np.where(unbroken[1], np.inf, 0))
 
 
-def test_under_several_shocks_the_worst_counts(study):
+def test_under_several_shocks_the_worst_counts(strong):
     axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["half sine", "versed sine"]
-    alone = [window_of(study, axes, [NEEDS[1] | {"shocks": make_shocks(one)}]) for one in shapes]
-    both = window_of(study, axes, [NEEDS[1] | {"shocks": make_shocks(shapes)}])
-    least = np.minimum(alone[0].reserve, alone[1].reserve)
+    *alone, both = (
+        window_of(strong, axes, [NEEDS[1] | {"shocks": make_shocks(each)}])
+        for each in (*shapes, shapes)
+    )
+    least = np.minimum(*(window.reserve for window in alone))
     np.testing.assert_array_equal(both.reserve, least)
     np.testing.assert_array_equal(both.N_first, least * 1100)
-    np.testing.assert_array_equal(
-        both.stress_max, np.maximum(alone[0].stress_max, alone[1].stress_max)
-    )
+    most = np.maximum(*(window.stress_max for window in alone))
+    np.testing.assert_array_equal(both.stress_max, most)
 
 
 def test_a_line_says_what_lies_between_points():
     """Of x < 2.5 and y > 10.5, of x from 1 to 3 and y from 10 to 12: three quarters each way."""
-    x, y = np.array([1.0, 2.0, 3.0]), np.array([10.0, 12.0])
+    x, y, over = np.array([1.0, 2.0, 3.0]), np.array([10.0, 12.0]), ("requirement", "mass", "C")
+    share = lambda line: float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100  # noqa: E731
     reserve = np.stack(np.broadcast_arrays((1 + (2.5 - x) / 10)[:, np.newaxis], 1 + (y - 10.5)))
-    over = ("requirement", "mass", "C")
     data = {"reserve": (over, reserve), "yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
-    found = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
-    line = summary(found, {"mass": ("mg", 2.0)})
+    window = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
+    line = summary(window, {"mass": ("mg", 2.0)})
     assert line.startswith("all requirements met at 2 of 6 points, ")
-    assert pytest.approx(float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100, abs=0.03) == 0.75**2
+    assert share(line) == pytest.approx(0.75**2, abs=0.03)
     assert line.endswith("a factor of 1.15, is at mass = 0.5 mg, C = 10.75 uN*us/um, yield 65.0%")
     # From x = 1.4 to 1.6 of 1 to 3.
-    column = np.repeat([[1 + (1.6 - x) / 10], [1 + (x - 1.4) / 10]], 2, axis=1)
-    line = summary(found.assign(reserve=(over, column.swapaxes(1, 2))), {})
+    band = np.array([1 + (1.6 - x) / 10, 1 + (x - 1.4) / 10])[..., np.newaxis].repeat(2, axis=2)
+    line = summary(window.assign(reserve=(over, band)), {})
     assert line.startswith("all requirements met at 0 of 6 points, ")
-    assert pytest.approx(float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100, abs=0.03) == 0.1
+    assert share(line) == pytest.approx(0.1, abs=0.03)
 
 
-def test_no_design_chooses_a_temperature(handout):
+def test_no_design_chooses_a_temperature(handout, study):
     """Each requirement is met at both temperatures, or not at all; so is the yield."""
-    device = replace(handout, modulus_slope=-2e-3)
-    model = {"name": "cosines", "modes": 3}
-    study = Study(device=device, model=model, settings=Settings(horizon=300.0))
+    study = replace(study, device=replace(handout, modulus_slope=-2e-3))
     design = {"thickness": np.array([2.0, 2.1, 2.2]), "C": [25.0]}
-    drawn = Tolerances(SCATTERS, samples=16)
-    apart = [
-        window_of(study, {"temperature": [at], **design}, NEEDS, drawn) for at in (-20.0, 60.0)
-    ]
-    both = window_of(study, {"temperature": [-20.0, 60.0], **design}, NEEDS, drawn)
+    *apart, both = (
+        window_of(study, {"temperature": at} | design, NEEDS, Tolerances(SCATTERS, samples=16))
+        for at in ([-20.0], [60.0], [-20.0, 60.0])
+    )
     assert both.reserve.dims == ("requirement", "thickness", "C")
-    each = np.stack([one.reserve.squeeze("temperature") for one in apart])
+    each = np.stack([window.reserve.squeeze("temperature") for window in apart])
     np.testing.assert_array_equal(both.reserve, each.min(axis=0))
     hot = np.argmin(each, axis=0)
     np.testing.assert_array_equal(both.temperature, np.where(hot, 60.0, -20.0))
-    shares = np.stack([one["yield"].squeeze("temperature") for one in apart])
+    shares = np.stack([window["yield"].squeeze("temperature") for window in apart])
     assert (both["yield"] <= shares.min(axis=0)).all() and len(np.unique(hot)) == 2
     assert both.attrs["temperatures"] == [-20.0, 60.0]
     assert both.reserve.long_name.startswith("factor by which") and both.temperature.units == "degC"
@@ -135,8 +135,7 @@ def test_no_design_chooses_a_temperature(handout):
 
 def test_what_is_not_known_is_neither_met_nor_failed():
     reserve = np.array([[[1.2, np.nan], [1.1, np.nan]], [[1.3, 1.1], [0.9, 0.8]]])
-    least = least_reserve(reserve)
-    np.testing.assert_array_equal(least, [[1.2, np.nan], [0.9, 0.8]])
+    np.testing.assert_array_equal(least_reserve(reserve), [[1.2, np.nan], [0.9, 0.8]])
     fine = between(np.array([1.0, np.nan, 3.0, 4.0]), 1)
     assert fine[0] == 1 and fine[2 * PARTS] == 3 and fine[-1] == 4
     assert np.isnan(fine[1 : 2 * PARTS]).all() and np.isfinite(fine[2 * PARTS :]).all()
@@ -157,25 +156,30 @@ def make_window():
 
 def colour_at(ax, *point):
     """The colour in which a point of a window is filled last, if any."""
-    layers = [one for one in ax.collections if isinstance(one, ContourSet) and one.filled]
-    within = [one for one in layers if one.get_paths()[0].contains_point(point)]
+    layers = [layer for layer in artists(ax, ContourSet) if layer.filled]
+    within = [layer for layer in layers if layer.get_paths()[0].contains_point(point)]
     return to_hex(within[-1].get_facecolor()[0]) if within else None
+
+
+def drawn_window(window, units=()):
+    figure.draw_window(page := style.double_column(4), window, "spring", "C", dict(units))
+    return page.axes
+
+
+MET, FAILING = figure.MEETING["color"], figure.FAILING["color"]
 
 
 @pytest.mark.usefixtures("paper")
 def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
-    window.draw_window(figure := style.double_column(4), make_window(), "spring", "C")
-    *panels, stress, _ = figure.axes
+    *panels, stress, _ = drawn_window(make_window())
     assert len(panels) == 2
     lines = [line for line in stress.collections if line.get_path_effects()]
     for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
         (path,) = line.get_paths()
         assert abs(path.vertices[:, column] - end).max() < straight
-    met, failing = (window.MEETING["color"], window.FAILING["color"])
+    points = {(5.0, 50.0): MET} | dict.fromkeys([(7.0, 50.0), (5.0, 30.0), (7.0, 30.0)], FAILING)
     for ax in panels:
-        assert colour_at(ax, 5.0, 50.0) == met
-        assert colour_at(ax, 7.0, 50.0) == colour_at(ax, 5.0, 30.0) == failing
-        assert colour_at(ax, 7.0, 30.0) == failing
+        assert {point: colour_at(ax, *point) for point in points} == points
     for ax in (*panels, stress):
         assert (ax.get_xlim(), ax.get_ylim()) == ((4.0, 8.0), (20.0, 60.0))
 
@@ -184,23 +188,20 @@ def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
 def test_a_window_reaches_the_point_where_two_lines_meet_at_a_small_angle():
     spring, C = np.meshgrid([1.0, 2.0], [1.0, 2.0], indexing="ij")
     after, before = spring - 0.53, 2.53 - spring + 0.05 * (C - 1.03)
-    found = make_window().isel(requirement=[0, 1], spring=[0, 1], C=[0, 1])
-    found = found.assign_coords(spring=spring[:, 0], C=C[0]).drop_vars(["yield", "yield_bound"])
-    found["reserve"] = found.reserve.copy(data=np.stack([after, before]))
-    window.draw_window(figure := style.double_column(4), found, "spring", "C")
-    for point in [(1.531, 1.3), (1.54, 1.5), (1.55, 1.9)]:
-        assert colour_at(figure.axes[0], *point) == window.MEETING["color"]
-    assert colour_at(figure.axes[0], 1.52, 1.5) == window.FAILING["color"]
-    assert colour_at(figure.axes[0], 1.56, 1.5) == window.FAILING["color"]
+    window = make_window().isel(requirement=[0, 1], spring=[0, 1], C=[0, 1])
+    window = window.assign_coords(spring=spring[:, 0], C=C[0]).drop_vars(["yield", "yield_bound"])
+    window["reserve"] = window.reserve.copy(data=np.stack([after, before]))
+    points = dict.fromkeys([(1.531, 1.3), (1.54, 1.5), (1.55, 1.9)], MET)
+    points |= dict.fromkeys([(1.52, 1.5), (1.56, 1.5)], FAILING)
+    ax, *_ = drawn_window(window)
+    assert {point: colour_at(ax, *point) for point in points} == points
 
 
 @pytest.mark.usefixtures("paper")
 def test_a_window_has_the_units_of_the_config_and_no_colour_where_nothing_is_known():
-    found = make_window()
-    found["reserve"] = found.reserve.where((found.spring < 8) | (found.C < 60))
-    found = found.drop_vars(["yield", "yield_bound", "stress_max"])
-    units = {"spring": ("mN/um", 1e3), "C": ("mN*s/m", 1e3)}
-    window.draw_window(figure := style.double_column(4), found, "spring", "C", units)
-    (ax,) = figure.axes
+    window = make_window()
+    window["reserve"] = window.reserve.where((window.spring < 8) | (window.C < 60))
+    window = window.drop_vars(["yield", "yield_bound", "stress_max"])
+    (ax,) = drawn_window(window, {"spring": ("mN/um", 1e3), "C": ("mN*s/m", 1e3)})
     assert ax.get_xlim() == (0.004, 0.008) and ax.get_ylim() == pytest.approx((0.02, 0.06))
     assert colour_at(ax, 0.0079, 0.059) is None

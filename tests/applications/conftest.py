@@ -1,0 +1,11 @@
+import pytest
+
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+
+
+@pytest.fixture(scope="session")
+def study(handout):
+    """The handout's device by three cosines, to 300 us after a shock."""
+    model = {"name": "cosines", "modes": 3}
+    return Study(device=handout, model=model, settings=Settings(horizon=300.0))

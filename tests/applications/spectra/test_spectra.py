@@ -1,0 +1,178 @@
+"""Shock response spectra against another code; random vibration against closed forms, and laws."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pyyeti import srs as reference
+
+import snapmap
+from snapmap.applications.spectra.psd import Spectrum
+from snapmap.applications.spectra.srs import (
+    BAND,
+    check_points,
+    frequencies,
+    level,
+    record,
+    response,
+)
+from snapmap.applications.spectra.trips import FACTORS, ends
+from snapmap.applications.spectra.verdicts import check_spectra
+from snapmap.applications.spectra.vibration import _level, fit_rates
+from snapmap.solver.settings import Settings
+
+CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
+
+
+def samples(drawn):
+    """Acceleration, multiples of g, and the rate of its samples, Hz."""
+    pieces = drawn.pulse.pieces
+    return np.append(pieces[:, 1], 0.0) * drawn.peak, 1e6 * len(pieces) / drawn.pulse.duration
+
+
+def test_the_spectrum_of_a_half_sine_is_that_of_another_code():
+    f = np.array([200.0, 1600.0, 20_000.0])
+    half_sine = np.sin(np.pi * np.linspace(0, 1, 4001))
+    expected = reference.srs(half_sine, 8e6, f, 10, ic="zero", time="total", parallel="no")
+    spectrum = response(half_sine, 1 / 8e6, f)
+    np.testing.assert_allclose(spectrum, expected, rtol=1e-3)
+    assert spectrum[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
+
+
+def test_a_record_meets_its_spectrum_as_another_code_sees_it():
+    f = frequencies(100.0, 4000.0)
+    assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
+    drawn = record(check_points(CRASH), [1, 0])
+    how = {"ic": "zero", "ppc": 2, "rolloff": "none", "parallel": "no"}
+    spectrum = reference.srs(*samples(drawn), f, 10, **how)
+    deviation = 20 * np.log10(spectrum / level(CRASH, f))
+    np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
+    assert abs(deviation).max() < BAND / 2 and deviation.std() < 1.5
+    assert drawn.pulse.duration < 1e6 * 11 / 100
+
+
+def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
+    first, again, other = (record(check_points(CRASH), [1, seed]) for seed in (0, 0, 1))
+    assert abs(first.pulse.area) < 1e-4 * first.pulse.gross_area
+    np.testing.assert_array_equal(first.pulse.pieces, again.pulse.pieces)
+    assert first.pulse.duration != other.pulse.duration
+
+
+def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout, study):
+    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, settings=Settings(0.0))
+    trips = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
+    snaps = trips.snaps.values[0].sum(axis=0)
+    first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)
+    asked = [
+        {"name": f"{by:g}", "srs": np.array(levels) * [1, by], "direction": "+z", "snaps": must}
+        for by in (1.0, 0.25, 4.0)
+        for must in (False, True)
+    ]
+    rows = check_spectra(study, asked, [25.0], records=2)
+    for row, end in zip(rows, (first, last + 1), strict=False):
+        bar = row.N_first - row.N_error, row.N_first + row.N_error
+        assert bar == (FACTORS[end - 1], FACTORS[end])
+        assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
+    assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
+    assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
+    both = check_spectra(study, [asked[0] | {"direction": "both"}], [25.0], [20.0], records=2)
+    assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
+    assert both[0] == rows[0]
+
+
+def test_ends_leave_out_what_fails():
+    snaps = np.ones((2, len(FACTORS)))
+    snaps[:, :5], snaps[0, 5], snaps[0, 6], snaps[1, 7] = 0.0, np.nan, 0.0, np.nan
+    assert ends(snaps) == (FACTORS[4], FACTORS[5], FACTORS[6], FACTORS[8])
+    assert ends(np.zeros((2, len(FACTORS)))) == (4.0, np.inf, 4.0, np.inf)
+    assert ends(np.ones((2, len(FACTORS)))) == (0.0, 0.25, 0.0, 0.25)
+
+
+FLAT = [(20.0, 0.04), (2000.0, 0.04)]
+
+
+def vibration_samples(spectrum, length, seed=1):
+    """Acceleration of a record, multiples of g, and the time between its samples, s."""
+    drawn, peak = spectrum.record(length, [seed, 0])
+    return drawn.pieces[:, 1] * peak, length / len(drawn.pieces)
+
+
+def test_rms_is_the_integral_of_straight_lines_on_logarithmic_scales():
+    bent = Spectrum([(20.0, 0.01), (80.0, 0.04), (2000.0, 0.04)])
+    assert bent.rms == pytest.approx(math.sqrt(0.01 * (80**2 - 20**2) / 40 + 0.04 * 1920))
+    falling = Spectrum([(10.0, 1.0), (100.0, 0.1)])
+    assert falling.rms == pytest.approx(math.sqrt(10 * math.log(10)))
+
+
+def test_a_record_has_ten_periods_of_the_lowest_frequency_or_all_that_there_is():
+    low, flat = Spectrum([(0.5, 0.04), (2000.0, 0.04)]), Spectrum(FLAT)
+    assert (low.record_length(60.0), low.record_length(5.0)) == (20.0, 5.0)
+    assert (flat.record_length(60.0), flat.record_length(0.25)) == (1.0, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("points", "duration", "key"),
+    [
+        ([(0.01, 0.04), (2000.0, 0.04)], 3600.0, "psd"),
+        ([(20.0, 0.04), (2e6, 0.04)], 3600.0, "psd"),
+        ([(1000.2, 0.04), (1000.8, 0.04)], 3600.0, "psd"),
+        *((FLAT, duration, "duration") for duration in (5e-324, 4e-4)),
+    ],
+)
+def test_a_record_of_no_sine_or_of_too_many_samples_is_refused(points, duration, key):
+    with pytest.raises(ValueError, match=f"^{key}: a record of .*; write "):
+        Spectrum(points).require_record(duration)
+
+
+def test_the_longest_and_the_shortest_record_have_samples():
+    Spectrum([(1.0, 0.04), (10_000.0, 0.04)]).require_record(3600.0)
+    Spectrum(FLAT).require_record(5e-4)
+    drawn, peak = Spectrum(FLAT).record(5e-4, [1, 0])
+    assert np.isfinite(drawn.pieces).all() and peak > 0
+
+
+def test_an_oscillator_answers_as_miles_and_rice_say():
+    f, Q, S = 500.0, 20.0, 0.04
+    a, step = vibration_samples(Spectrum(FLAT), 20.0)
+    omega = 2 * np.pi * f
+    s = 2j * np.pi * np.fft.rfftfreq(a.size, step)  # a record begins anew where it ends
+    transfer = (omega / Q * s + omega**2) / (s**2 + omega / Q * s + omega**2)
+    answer = np.fft.irfft(transfer * np.fft.rfft(a), a.size)
+    rms = math.sqrt(np.pi / 2 * f * Q * S)
+    assert answer.std() == pytest.approx(rms, rel=0.06)
+    level = 2 * answer.std()
+    crossings = np.count_nonzero((answer[:-1] < level) & (answer[1:] >= level))
+    assert crossings / 20.0 == pytest.approx(f * math.exp(-2), rel=0.1)
+
+
+def test_a_rate_that_obeys_the_law_is_found_with_its_bounds():
+    x, missed = np.array([1.0, 0.7, 0.5, 0.35]), 0
+    for counts in np.random.default_rng(5).poisson(16.0 * np.exp(2 - 6 * x), (200, 4)):
+        if counts.any():
+            a, b, variance = fit_rates(x, counts, [16.0] * 4)
+            missed += abs(a - 0.4 * b - (2 - 6 * 0.4)) > 1.96 * math.sqrt(variance(0.4))
+    assert missed <= 16
+
+
+def test_vibration_tells_rate_bounds_and_level(handout):
+    asked = {"C": [25.0, 200.0], "records": 4, "model": "cosines", "cosines": 3, "reach": 0.5}
+    high, again, calm = (
+        snapmap.vibration(handout, [(20.0, density), (2000.0, density)], 0.2, **asked)
+        for density in (9.0, 9.0, 0.09)
+    )
+    assert high.rms == pytest.approx(math.sqrt(9 * 1980)) and high.record_length == 0.2
+    assert (high.snaps <= 4).all() and (high.failed == 0).all()
+    assert np.allclose(high.probability, 1 - np.exp(-0.2 * high.rate))
+    assert ((high.rate_low <= high.rate) & (high.rate <= high.rate_high)).all()
+    assert ((high.level_low <= high.level) & (high.level <= high.level_high)).all()
+    assert high.level[1] > high.level[0]  # damping helps
+    assert high.identical(again) and (calm.snaps == 0).all()
+    assert np.allclose(calm.rate_high, -math.log(0.025) / (4 * 0.2))
+    assert np.allclose(calm.level, high.level, rtol=0.1)
+
+
+def test_a_single_record_that_snaps_at_the_top_alone_does_not_determine_the_level():
+    ladder = {rung: np.array([[float(rung == 2)], [0.0], [1.0]]) for rung in range(3)}
+    level, low, high = _level(ladder, 0, 0.01)
+    assert math.isnan(level) and (low, high) == (0.0, math.inf)
