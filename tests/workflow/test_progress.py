@@ -21,10 +21,8 @@ class Terminal(io.StringIO):
         return True
 
 
-def record(event, level=logging.INFO, **facts):
-    made = logging.makeLogRecord({"msg": "said", "levelno": level, "event": event})
-    made.__dict__.update(facts)
-    return made
+def record(event=None, level=logging.INFO, **facts):
+    return logging.makeLogRecord({"msg": "said", "levelno": level, "event": event, **facts})
 
 
 def job(number, rule, message, **wildcards):
@@ -85,20 +83,16 @@ def test_a_log_has_each_stage_once(progress, monkeypatch):
 def test_where_nothing_is_to_be_run_a_function_is_called():
     called = []
     idle = Idle(lambda: called.append(1))
-    idle.emit(record(None))
+    idle.emit(record())
     assert not called
-    words = record(None)
-    words.msg = NOTHING_TO_BE_DONE_MSG
-    idle.emit(words)
+    idle.emit(record(msg=NOTHING_TO_BE_DONE_MSG))
     assert called == [1]
 
 
 def test_faults_are_not_hushed():
     handler = logging.StreamHandler(io.StringIO())
     hush(handler)
-    assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
-    assert not handler.filter(record(None))
+    assert not any(handler.filter(record(event)) for event in ("job_info", "progress", None))
     assert handler.filter(record("job_error", logging.ERROR))
-    wrapped = record("error", logging.ERROR)
-    wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
-    assert not handler.filter(wrapped)
+    wrapped = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
+    assert not handler.filter(record("error", logging.ERROR, msg=wrapped))
