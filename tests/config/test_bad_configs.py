@@ -17,7 +17,6 @@ from snapmap.applications import gather
 from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
-from snapmap.device.quantities import KINDS, bounds_of
 from snapmap.workflow.plan import make_plan
 
 SWEEP = yaml.safe_load("""
@@ -37,49 +36,29 @@ OPTIONAL = {
     *("damping", "elements", "spacing", "until", "repeat", "histories"),
     *("energy_tolerance", "threshold_tolerance"),
 }
-KIND = {
-    **dict.fromkeys(("span", "thickness", "depth"), "length"),
-    "rise": "distance",  # of 0 a device cannot be, which is said of it as a device
-    **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
-    **{"spring": "stiffness", "contact": "contact", "gravity": "acceleration"},
-    **{"horizon": "duration", "f0": "frequency", "C": "damper", "N": "number"},
-}
-"""Of each quantity; all else are words, whole numbers, and true or false."""
 HOSTILE = [
     *("$(touch PWNED)", "`touch PWNED`", "; touch PWNED #", "600 um; touch PWNED", "../../PWNED"),
     *("__import__('os').system('touch PWNED')", "?open('PWNED', 'w')", "{open('PWNED', 'w')}"),
     *("{{ cycler.__init__.__globals__.os.system('touch PWNED') }}", "{workflow}", "%(name)s"),
     *("\x1b[31m\r\n\t\x07", "\N{RIGHT-TO-LEFT OVERRIDE}mu 006", "a\N{LINE SEPARATOR}b\x85c"),
 ]
-UNITS = [kind.unit for kind in KINDS.values() if kind.unit]
-RATES = {KINDS["rate"].unit, KINDS["frequency"].unit}
-NO_VALUE = [None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300]
-NO_VALUE += [datetime.date(2026, 1, 1), *HOSTILE]
+NO_VALUE = [
+    *(None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300),
+    *(datetime.date(2026, 1, 1), *HOSTILE),
+]
+NO_QUANTITY = [
+    *(*NO_VALUE, True, 7, 0.5, "1e3", "nan um", "inf kg", "1e25 um", "1e-40 N/m", "-1 m/s^2"),
+    *("1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"),
+]
 NO_NUMBER = [*NO_VALUE, "1 g", "1,5", "0x10", True, "nan", 1e300, "1e999", -2e15]
-NO_WORD = [*NO_VALUE, True, 0.5, -3, "1e3"]
 NO_COUNT = [*NO_VALUE, 0, -3, 10**7, True]
-NO_SHARE = [*NO_VALUE, 0.0, -1.0, 1.0, "0.001", "2 %"]
-BAD_LEAF = {
-    **{"elements": NO_COUNT, "points": [*NO_COUNT, 2.5], "repeat": [*NO_VALUE, 1, "yes"]},
-    **dict.fromkeys(("energy_tolerance", "threshold_tolerance"), NO_SHARE),
-    "spacing": NO_WORD,
+NO_WORD, NO_SHARE = [*NO_VALUE, True, 0.5, -3, "1e3"], [*NO_VALUE, 0.0, -1.0, 1.0, "0.001", "2 %"]
+BAD = {
+    **{"elements": NO_COUNT, "points": [*NO_COUNT, 2.5], "N": NO_NUMBER, "name": NO_WORD},
+    **{"spacing": NO_WORD, "until": NO_WORD, "repeat": [*NO_VALUE, 1, "yes"]},
+    **{"energy_tolerance": NO_SHARE, "threshold_tolerance": NO_SHARE},
 }
-
-
-def bad_values(path):
-    """What the value at a path cannot be."""
-    kind = next((KIND[key] for key in reversed(path) if key in KIND), None)
-    if path[-1] in BAD_LEAF:
-        return BAD_LEAF[path[-1]]
-    if kind in (None, "number"):
-        return NO_NUMBER if kind else NO_WORD
-    unit = KINDS[kind].unit
-    sizes = ["-3", "nan", "inf", "1e25", "1e-40"]
-    sizes += [] if bounds_of(KINDS[kind].interval).holds(0) else ["0"]
-    others = [other for other in UNITS if other != unit and {unit, other} != RATES]
-    wrong = [*(f"{size} {unit}" for size in sizes), *(f"2.5e1 {other}" for other in others)]
-    wrong += ["1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"]
-    return [*NO_VALUE, *wrong, True, 7, 0.5, "1e3"]
+"""What a key or what stands below it cannot be; of all others NO_QUANTITY."""
 
 
 def leaves(part, at=()):
@@ -102,7 +81,8 @@ NAMED = [path for path in LEAVES if isinstance(path[-1], str)]
 
 
 def set_badly(rng, section, path):
-    section[path[-1]] = value = rng.choice(bad_values(path))
+    bad = next((BAD[key] for key in reversed(path) if key in BAD), NO_QUANTITY)
+    section[path[-1]] = value = rng.choice(bad)
     return [(name_of(path), show(value))]
 
 

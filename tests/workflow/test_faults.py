@@ -51,10 +51,9 @@ class Folder:
         """The finished slabs: when each was written."""
         return {path.name: path.stat().st_mtime_ns for path in self.slabs.glob("*.nc")}
 
-    def ends_as(self, undisturbed):
-        """The command makes the cube of a run that nothing has disturbed."""
-        self.run()
-        return self.cube.read_bytes() == undisturbed.cube.read_bytes()
+    def assert_made(self, cube):
+        """The cube has the bytes of another."""
+        assert self.cube.read_bytes() == cube.read_bytes()
 
 
 def jobs_of(run):
@@ -106,13 +105,6 @@ def resumed(root, tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def undisturbed(root, tmp_path_factory):
-    folder = Folder(root, tmp_path_factory.mktemp("undisturbed"))
-    folder.run()
-    return folder
-
-
 def test_a_killed_run_loses_nothing(resumed):
     study = load_config(yaml.safe_load(STUDY))
     options = {"model": "cosines", "modes": 3, "horizon": 40_000.0, "until": "snap"}
@@ -122,14 +114,13 @@ def test_a_killed_run_loses_nothing(resumed):
 
 
 @pytest.mark.long
-def test_a_killed_job_is_run_again(folder, undisturbed, resumed):
+def test_a_killed_job_is_run_again(folder, resumed):
     run = folder.start()
     wait_for(folder.finished, run)
     kill_at_once(wait_for(lambda: jobs_of(run), run))
     output, _ = run.communicate()
     assert run.returncode == 0 and "Trying to restart job" in output, output
-    for each in (folder, resumed):
-        assert each.cube.read_bytes() == undisturbed.cube.read_bytes()
+    folder.assert_made(resumed.cube)
 
 
 @pytest.fixture
@@ -160,19 +151,20 @@ def test_jobs_end_with_a_killed_run(folder):
 
 
 @pytest.mark.long
-def test_a_broken_slab_is_refused_by_name_and_made_again(folder, undisturbed):
-    shutil.copytree(undisturbed.path, folder.path, dirs_exist_ok=True)
+def test_a_broken_slab_is_refused_by_name_and_made_again(folder, resumed):
+    shutil.copytree(resumed.path, folder.path, dirs_exist_ok=True)
     broken = min(folder.slabs.glob("*.nc"))
     broken.write_bytes(broken.read_bytes()[:20000])
     output = folder.run(check=False)
     assert f"results/slabs/{broken.name}: is damaged" in output and not folder.cube.exists()
     assert not any(words in output for words in ("Traceback", "WorkflowError", ", line "))
     broken.unlink()
-    assert folder.ends_as(undisturbed)
+    folder.run()
+    folder.assert_made(resumed.cube)
 
 
 @pytest.mark.long
-def test_a_job_out_of_memory_is_reported_by_name(folder, undisturbed):
+def test_a_job_out_of_memory_is_reported_by_name(folder, resumed):
     run, starved = folder.start(), set()
 
     def starve():
@@ -185,7 +177,8 @@ def test_a_job_out_of_memory_is_reported_by_name(folder, undisturbed):
     output, _ = run.communicate()
     assert run.returncode != 0 and not folder.finished()
     assert "Error in rule simulate_slab" in output and "output: results/slabs/" in output
-    assert folder.ends_as(undisturbed)
+    folder.run()
+    folder.assert_made(resumed.cube)
 
 
 def run_in_own_mounts(script, *arguments):
@@ -208,7 +201,7 @@ mount -t tmpfs -o "size=$size" none results
 find results -type f >full.txt
 mount -o remount,size=100m results
 "$@"
-cp results/cube.nc resumed.nc
+cp results/cube.nc cube.nc
 """
 LOCK = """
 for place in "$1" "$2"; do
@@ -224,18 +217,20 @@ exec "$@"
 
 @pytest.mark.long
 @pytest.mark.parametrize("size", ["100k", "190k"])  # too small for the slabs, or for the cube
-def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, undisturbed, size):
+def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
     (folder.path / "results").mkdir()
     output = run_in_own_mounts(FILL, folder.path, size, *folder.command)
     full, *_ = [line for line in output.splitlines() if "not written" in line]
     assert "MB are free there" in full and full.startswith("results/")
     left = [Path(name) for name in (folder.path / "full.txt").read_text().split()]
     assert all(path.suffix == ".log" or path.parent.name == "slabs" for path in left)
-    assert (folder.path / "resumed.nc").read_bytes() == undisturbed.cube.read_bytes()
+    folder.cube = folder.path / "cube.nc"
+    folder.assert_made(resumed.cube)
 
 
 @pytest.mark.long
-def test_the_clone_and_the_packages_may_be_read_only(root, folder, undisturbed):
+def test_the_clone_and_the_packages_may_be_read_only(root, folder, resumed):
+    """Nor does a run that nothing disturbs give another cube than one that was killed."""
     places = [root, Path(psutil.__file__).parents[1], folder.path]
     run_in_own_mounts(LOCK, *places, *folder.command)
-    assert folder.cube.read_bytes() == undisturbed.cube.read_bytes()
+    folder.assert_made(resumed.cube)

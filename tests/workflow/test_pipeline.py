@@ -55,6 +55,10 @@ def files_of(stems):
     return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
 
 
+def figures_of(folder):
+    return {path.name for path in (folder / "results" / "figures").iterdir()}
+
+
 def make(folder, names):
     for path in (folder / name for name in names):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -135,8 +139,7 @@ def test_maps_are_panels_of_one_figure_each_and_single_on_request():
 def test_every_figure_is_there(finished):
     stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
     stems += [f"history_{history.name}" for history in study_of(TINY).requests["histories"]]
-    made = {path.name for path in (finished[0] / "results" / "figures").iterdir()}
-    assert made == files_of(stems) | {"window_1.pdf"}
+    assert figures_of(finished[0]) == files_of(stems) | {"window_1.pdf"}
 
 
 def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, finished):
@@ -228,8 +231,7 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     study = study_of(EVERY_PRODUCT)
     stems = {stem for several in choose_views(study).stems.values() for stem in several}
     stems |= {stem for figures in gather("figures", study).values() for stem in figures}
-    made = {path.name for path in (tmp_path / "results" / "figures").iterdir()}
-    assert made == files_of(stems - {"explore.html", "window"})
+    assert figures_of(tmp_path) == files_of(stems - {"explore.html", "window"})
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
         assert "crash" in text and "shaking" in text
