@@ -60,6 +60,12 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
         assert pulse["sha256"] == study.files()["shock.csv"]
 
 
+def test_a_record_acts_along_the_direction_that_is_written(folder):
+    for direction in ("+z", "-z"):
+        study = load_config(changed(DOCUMENT, pulse__direction=direction))
+        assert [*study.shocks.directions] == [direction]
+
+
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     study = load_config(DOCUMENT)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
