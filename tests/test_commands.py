@@ -39,8 +39,8 @@ ELSEWHERE = {
         "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
         "--group-components slabs=4",
     ],
-    "test_install_from_nothing": ["snakemake --version"],
-    "test_lock_holds_only_exact_versions_and_hashes": [
+    "test_run_installs_from_nothing": ["snakemake --version"],
+    "test_each_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
         "uv pip install --require-hashes --requirements locks/requirements-slurm.lock",
     ],
@@ -57,7 +57,7 @@ ELSEWHERE = {
     "test_check_says_what_a_config_describes_doubts_and_costs": [
         "python -m snapmap.workflow.command check config.yaml"
     ],
-    "test_versions_in_one_paste": ["python -m snapmap.study.provenance"],
+    "test_the_versions_come_in_one_paste": ["python -m snapmap.study.provenance"],
     "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }
 """What runs each command that is no study, in small."""
@@ -103,7 +103,7 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
     assert len(rows) > 2
 
 
-def test_versions_in_one_paste(root):
+def test_the_versions_come_in_one_paste(root):
     command = [sys.executable, "-m", "snapmap.study.provenance"]
     said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
     assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)

@@ -131,9 +131,13 @@ def test_maps_are_panels_of_one_figure_each_and_single_on_request():
 
     names = "snap_maps", "time_maps", "maps"
     assert [*panels().items()] == [(name, [{"C": 0}, {"C": 1}]) for name in names]
-    single = panels(maps=[{"x": "f0", "y": "N", "at": {"C": "30 uN*us/um"}}])
-    names = [f"{word}_f0_N_C30" for word in ("snap", "time", "map")]
-    assert [*single.items()] == [(name, [{"C": 1}]) for name in names]
+    captioned = choose_views(study_of(TINY)).stems
+    assert (captioned["snap_maps"], captioned["maps"]) == (["snap_maps"], ["time_maps", "maps"])
+    wanted = {"C0.5": "0.5 uN*us/um", "C30": "30 uN*us/um"}
+    single = panels(maps=[{"x": "f0", "y": "N", "at": {"C": C}} for C in wanted.values()])
+    words = "snap", "time", "map"
+    names = [(f"{word}_f0_N_{C}", [{"C": i}]) for i, C in enumerate(wanted) for word in words]
+    assert [*single.items()] == names
 
 
 def test_every_figure_is_there(finished):

@@ -78,7 +78,7 @@ def assert_in_cache(done, tmp_path):
     assert done.stdout.strip() in done.stderr
 
 
-def test_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path):
+def test_run_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path):
     elsewhere, link = tmp_path / "some where", tmp_path / "link"
     elsewhere.mkdir()
     link.symlink_to(clone.folder / "run")
@@ -106,7 +106,7 @@ def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
     assert len(clone.venvs_made()) == 1
 
 
-def test_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
+def test_run_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
     (line,) = clone.run("true").stderr.splitlines()
     assert clone.run("true").stderr == ""
     venv, moved = str(clone.folder / ".venv"), tmp_path / "moved"
@@ -171,7 +171,7 @@ def test_a_fault_is_one_line(clone):
 
 
 @pytest.mark.parametrize("lock", sorted(path.name for path in (ROOT / "locks").glob("*.lock")))
-def test_lock_holds_only_exact_versions_and_hashes(lock):
+def test_each_lock_holds_only_exact_versions_and_hashes(lock):
     text = (ROOT / "locks" / lock).read_text().replace("\\\n", " ")
     for line in text.splitlines():
         assert re.fullmatch(r"[a-z0-9-]+==\S+( ; [^:]+?)?\s+(--hash=sha256:[0-9a-f]{64}\s*)+", line)
@@ -187,7 +187,7 @@ def test_the_lock_names_every_dependency():
 
 
 @pytest.mark.long
-def test_install_from_nothing(tmp_path):
+def test_run_installs_from_nothing(tmp_path):
     folder, home = tmp_path / "my clone", tmp_path / "home"
     for made in (folder / "locks", home):
         made.mkdir(parents=True)
