@@ -216,7 +216,7 @@ exec "$@"
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("size", ["100k", "190k"])  # too small for the slabs, or for the cube
+@pytest.mark.parametrize("size", ["100k", "150k"])  # too small for the slabs, or for the cube
 def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
     (folder.path / "results").mkdir()
     output = run_in_own_mounts(FILL, folder.path, size, *folder.command)
