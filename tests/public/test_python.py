@@ -159,6 +159,23 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls):
     assert len(faults) <= 0.01 * len(drawn), faults
 
 
+DROP = NESTED["requirements"][0][0]
+BEYOND = {
+    "sweep": {"f0": [1500.0] * 2, "threads": 0, "energy_tolerance": 1.0, "horizon": -1e-9},
+    "threshold": {"direction": [], "tolerance": 0.0100001, "threads": 1025},
+    "simulate": {"direction": "both", "start": "third"},
+    "srs_test": {"seed": 2**32, "records": 0},
+    "vibration": {"psd": [(2000, 4.0), (200, 4.0)], "seed": -1, "direction": ["+z", "+z"]},
+    "tolerance": {"requirements": [DROP | {"name": 3}], "samples": 8.5, "scatters": {"beam": 1.0}},
+}
+
+
+@pytest.mark.parametrize("name", BEYOND)
+def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_calls, name):
+    for key, value in BEYOND[name].items():
+        assert fault_of(name, {**right_calls[name], key: value}, key) == "", key
+
+
 def test_a_misspelt_option_is_named_with_the_right(right_calls):
     rng = random.Random(2)
     for name, right in right_calls.items():
