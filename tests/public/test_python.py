@@ -160,20 +160,22 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, calls):
 
 
 DROP = NESTED["requirements"][0][0]
-BEYOND = {
-    "sweep": {"f0": [1500.0] * 2, "threads": 0, "energy_tolerance": 1.0, "horizon": -1e-9},
-    "threshold": {"direction": [], "tolerance": 0.0100001, "threads": 1025},
-    "simulate": {"direction": "both", "start": "third"},
-    "srs_test": {"seed": 2**32, "records": 0},
-    "vibration": {"psd": [(2000, 4.0), (200, 4.0)], "seed": -1, "direction": ["+z", "+z"]},
-    "tolerance": {"requirements": [DROP | {"name": 3}], "samples": 8.5, "scatters": {"beam": 1.0}},
-}
+BEYOND = (
+    *(("sweep", "f0", [1500.0] * 2), ("sweep", "threads", 0), ("sweep", "energy_tolerance", 1.0)),
+    *(("sweep", "horizon", -1e-9), ("sweep", "skip", [True]), ("threshold", "direction", [])),
+    ("threshold", "threads", 1025),
+    *(("threshold", "tolerance", 0.0100001), ("simulate", "direction", "both")),
+    *(("simulate", "start", "third"), ("srs_test", "seed", 2**32), ("vibration", "seed", -1)),
+    *(("vibration", "direction", ["+z"] * 2), ("vibration", "psd", [(2000, 4.0), (200, 4.0)])),
+    *(("tolerance", "samples", 8.5), ("tolerance", "scatters", {"beam": 1.0})),
+    *(("tolerance", "requirements", [DROP | wrong]) for wrong in ({"name": 3}, {"N": 0.0})),
+    ("tolerance", "requirements", [{"name": "drop", "N": 500.0}]),
+)
 
 
-@pytest.mark.parametrize("name", BEYOND)
-def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_calls, name):
-    for key, value in BEYOND[name].items():
-        assert fault_of(name, {**right_calls[name], key: value}, key) == "", key
+def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_calls):
+    for name, key, value in BEYOND:
+        assert fault_of(name, {**right_calls[name], key: value}, key) == "", (name, key)
 
 
 def test_a_misspelt_option_is_named_with_the_right(right_calls):
@@ -186,7 +188,7 @@ def test_a_misspelt_option_is_named_with_the_right(right_calls):
                 FUNCTIONS[name](**right, **{wrong: 1})
 
 
-def test_what_is_missing_or_there_twice_is_named(right_calls):
+def test_what_is_missing_or_there_twice_or_too_much_is_named(right_calls):
     for name, right in right_calls.items():
         parameters = parameters_of(name)
         for key in parameters:
@@ -196,6 +198,9 @@ def test_what_is_missing_or_there_twice_is_named(right_calls):
         first = next(iter(parameters))
         with pytest.raises(TypeError, match=f"^{first}: comes twice"):
             FUNCTIONS[name](right[first], **right)
+        most = len(parameters.keys() - {"options"})
+        with pytest.raises(TypeError, match=f"^{name}: takes {most} arguments, not {most + 1}"):
+            FUNCTIONS[name](*range(most + 1))
 
 
 def test_a_function_can_be_sent_to_other_processes():
@@ -226,6 +231,13 @@ def test_what_takes_long_is_told_before_it_begins(handout, monkeypatch):
     monkeypatch.setattr("snapmap.solver.cost.MOST_SECONDS", 0.0)
     with pytest.raises(ValueError, match=r"^vibration: .*; write a higher lowest frequency"):
         snapmap.vibration(handout, psd, 0.01, **shaken)
+
+
+def test_what_is_hardly_meant_is_told(handout):
+    with pytest.warns(
+        UserWarning, match="^C = 100000 .* times critical damping; is its unit right"
+    ):
+        snapmap.sweep(handout, 1000.0, 1500.0, 1e5, **CHEAP)
 
 
 def test_more_cells_than_a_call_can_hold_are_refused(handout):
