@@ -51,8 +51,6 @@ def make_cells(rows, f0=None, N=None):
 
 
 TINY = make_cells(["2225", "2022", "0020", "0100"])
-
-
 F0 = np.array([100.0, 1000.0, 10000.0])
 
 

@@ -1,6 +1,38 @@
-"""What several tests study."""
+"""What several tests study, and how a study is changed or refused."""
 
+import copy
+from functools import reduce
+from operator import getitem
 from pathlib import Path
+
+import pytest
+
+from snapmap.config.study import load_config
+from snapmap.config.yaml_file import ConfigError
+
+MISSING = object()
+
+
+def changed(document, **values):
+    """The document with values set, or MISSING, at paths such as device__beam__span."""
+    document = copy.deepcopy(document)
+    for path, value in values.items():
+        *parents, last = path.split("__")
+        section = reduce(getitem, parents, document)
+        section[last] = value
+        if value is MISSING:
+            del section[last]
+    return document
+
+
+def faults(document):
+    """The lines that refuse a document."""
+    with pytest.raises(ConfigError) as caught:
+        load_config(document)
+    lines = str(caught.value).splitlines()
+    assert lines == [*caught.value.args] and all(len(line) < 300 for line in lines)
+    return lines
+
 
 TINY = (Path(__file__).parents[1] / ".test" / "config" / "config.yaml").read_text()
 

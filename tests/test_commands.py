@@ -25,14 +25,13 @@ ELSEWHERE = {
         "snakemake --cores 2 results/cube.nc"
     ],
     "test_the_window_of_the_recipe_is_drawn": [
-        "snakemake results/figures/window.pdf --configfile config/arm.yaml --cores 2",
+        "snakemake results/figures/window.pdf --configfile config/arm.yaml --cores 2"
     ],
     "test_a_finished_run_makes_a_report": [
         "snakemake --report report.zip --configfile sensor.yaml"
     ],
     "test_studies_are_targets_of_their_own": [
-        "snakemake accuracy --cores 2",
-        "snakemake stability --cores 2",
+        *("snakemake accuracy --cores 2", "snakemake stability --cores 2")
     ],
     "test_the_workflow_is_formatted": ["snakefmt Snakefile workflow/rules"],
     "test_the_cube_is_that_of_a_local_run_bit_for_bit": [
@@ -40,8 +39,8 @@ ELSEWHERE = {
         "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
         "--group-components slabs=4",
     ],
-    "test_install_from_nothing": ["snakemake --version"],
-    "test_lock_holds_only_exact_versions_and_hashes": [
+    "test_run_installs_from_nothing": ["snakemake --version"],
+    "test_each_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
         "uv pip install --require-hashes --requirements locks/requirements-slurm.lock",
     ],
@@ -58,7 +57,7 @@ ELSEWHERE = {
     "test_check_says_what_a_config_describes_doubts_and_costs": [
         "python -m snapmap.workflow.command check config.yaml"
     ],
-    "test_versions_in_one_paste": ["python -m snapmap.study.provenance"],
+    "test_the_versions_come_in_one_paste": ["python -m snapmap.study.provenance"],
     "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }
 """What runs each command that is no study, in small."""
@@ -75,15 +74,13 @@ def documents(root):
 
 def commands_in(text):
     """What `run` is given, by all commands, on one line each."""
-    found = (
-        " ".join(command.split()) for pattern in (LINE, SPAN) for command in pattern.findall(text)
-    )
-    return {command.split("run ", 1)[1] for command in found}
+    commands = [*LINE.findall(text), *SPAN.findall(text)]
+    return {" ".join(command.split()).split("run ", 1)[1] for command in commands}
 
 
 def test_every_command_is_run_by_a_test(root, documents):
-    named = commands_in(documents)
-    others = {one for one in named if not one.startswith(("pytest", "python -m studies"))}
+    apart = "pytest", "python -m studies"
+    others = {command for command in commands_in(documents) if not command.startswith(apart)}
     assert others == {command for commands in ELSEWHERE.values() for command in commands}
     tests = "".join(path.read_text(encoding="utf-8") for path in (root / "tests").rglob("*.py"))
     assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)
@@ -106,7 +103,7 @@ def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
     assert len(rows) > 2
 
 
-def test_versions_in_one_paste(root):
+def test_the_versions_come_in_one_paste(root):
     command = [sys.executable, "-m", "snapmap.study.provenance"]
     said = subprocess.check_output(command, cwd=root / "workflow" / "scripts", text=True)
     assert re.match(r"snapmap \d\S+ sources \w+, Python .*\nnumpy \d", said)

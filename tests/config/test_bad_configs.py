@@ -5,81 +5,60 @@ import datetime
 import math
 import random
 import re
+from functools import reduce
+from operator import getitem
 
 import pytest
 import yaml
+from small_studies import THREE_COSINES, changed
 from small_workflow import snakemake
 
 from snapmap.applications import gather
 from snapmap.config.study import load_config
 from snapmap.config.units import show
 from snapmap.config.yaml_file import ConfigError
-from snapmap.device.quantities import KINDS, bounds_of
 from snapmap.workflow.plan import make_plan
 
-DEFAULT = yaml.safe_load("""
-device:
-  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
-         density: 2330 kg/m^3, damping: 4e-4 /us}
-  mass: 1e-8 kg
-  spring: 5.5 N/m
-  contact: 40 N/m
-  gravity: 9.81 m/s^2
-model: {name: elements, elements: 5}
-sweep:
-  N: {from: 600, to: 2400, points: 7}
-  f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}
-  C: [0.025 uN*us/um, 25 uN*us/um]
-  horizon: 1500 us
-  until: settled
-  repeat: true
-  energy_tolerance: 0.001
-  threshold_tolerance: 0.0001
-histories:
-  - {N: 1000, f0: 1500 Hz, C: 25 uN*us/um}
+SWEEP = yaml.safe_load("""
+N: {from: 600, to: 2400, points: 7}
+f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}
+C: [0.025 uN*us/um, 25 uN*us/um]
+horizon: 1500 us
+until: settled
+repeat: true
+energy_tolerance: 0.001
+threshold_tolerance: 0.0001
 """)
-OPTIONAL = {"damping", "elements", "spacing", "until", "repeat", "histories"}
-OPTIONAL |= {"energy_tolerance", "threshold_tolerance"}
-KIND = {
-    **dict.fromkeys(("span", "thickness", "depth"), "length"),
-    "rise": "distance",  # of 0 a device cannot be, which is said of it as a device
-    **{"youngs_modulus": "modulus", "density": "density", "damping": "rate", "mass": "mass"},
-    **{"spring": "stiffness", "contact": "contact", "gravity": "acceleration"},
-    **{"horizon": "duration", "f0": "frequency", "C": "damper", "N": "number"},
+HISTORY = {"N": 1000, "f0": "1500 Hz", "C": "25 uN*us/um"}
+PARTS = {"model": {"name": "elements", "elements": 5}, "sweep": SWEEP, "histories": [HISTORY]}
+DEFAULT = changed(yaml.safe_load(THREE_COSINES), device__beam__damping="4e-4 /us", **PARTS)
+OPTIONAL = {
+    *("damping", "elements", "spacing", "until", "repeat", "histories"),
+    *("energy_tolerance", "threshold_tolerance"),
 }
-"""Kinds of quantities; None for words, whole numbers and true or false."""
 HOSTILE = [
     *("$(touch PWNED)", "`touch PWNED`", "; touch PWNED #", "600 um; touch PWNED", "../../PWNED"),
     *("__import__('os').system('touch PWNED')", "?open('PWNED', 'w')", "{open('PWNED', 'w')}"),
     *("{{ cycler.__init__.__globals__.os.system('touch PWNED') }}", "{workflow}", "%(name)s"),
     *("\x1b[31m\r\n\t\x07", "\N{RIGHT-TO-LEFT OVERRIDE}mu 006", "a\N{LINE SEPARATOR}b\x85c"),
 ]
-UNITS = [kind.unit for kind in KINDS.values() if kind.unit]
-RATES = {KINDS["rate"].unit, KINDS["frequency"].unit}
-NO_VALUE = [None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300]
-NO_VALUE += [datetime.date(2026, 1, 1), *HOSTILE]
+NO_VALUE = [
+    *(None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300),
+    *(datetime.date(2026, 1, 1), *HOSTILE),
+]
+NO_QUANTITY = [
+    *(*NO_VALUE, True, 7, 0.5, "1e3", "nan um", "inf kg", "1e25 um", "1e-40 N/m", "-1 m/s^2"),
+    *("1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"),
+]
 NO_NUMBER = [*NO_VALUE, "1 g", "1,5", "0x10", True, "nan", 1e300, "1e999", -2e15]
-NO_WORD = [*NO_VALUE, True, 0.5, -3, "1e3"]
 NO_COUNT = [*NO_VALUE, 0, -3, 10**7, True]
-NO_SHARE = [*NO_VALUE, 0.0, -1.0, 1.0, "0.001", "2 %"]
-BAD_LEAF = {"elements": NO_COUNT, "points": [*NO_COUNT, 2.5], "repeat": [*NO_VALUE, 1, "yes"]}
-BAD_LEAF |= dict.fromkeys(("energy_tolerance", "threshold_tolerance"), NO_SHARE)
-
-
-def bad_values(path):
-    """What the value at a path cannot be."""
-    kind = next((KIND[key] for key in reversed(path) if key in KIND), None)
-    if path[-1] in BAD_LEAF:
-        return BAD_LEAF[path[-1]]
-    if path[-1] == "spacing" or kind in (None, "number"):
-        return NO_NUMBER if kind == "number" and path[-1] != "spacing" else NO_WORD
-    unit = KINDS[kind].unit
-    sizes = ["-3", "nan", "inf", "1e25", "1e-40"]
-    sizes += [] if bounds_of(KINDS[kind].interval).holds(0) else ["0"]
-    others = [other for other in UNITS if other != unit and {unit, other} != RATES]
-    wrong = [*(f"{size} {unit}" for size in sizes), *(f"2.5e1 {other}" for other in others)]
-    wrong += ["1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"]
-    return [*NO_VALUE, *wrong, True, 7, 0.5, "1e3"]
+NO_WORD, NO_SHARE = [*NO_VALUE, True, 0.5, -3, "1e3"], [*NO_VALUE, 0.0, -1.0, 1.0, "0.001", "2 %"]
+BAD = {
+    **{"elements": NO_COUNT, "points": [*NO_COUNT, 2.5], "N": NO_NUMBER, "name": NO_WORD},
+    **{"spacing": NO_WORD, "until": NO_WORD, "repeat": [*NO_VALUE, 1, "yes"]},
+    **{"energy_tolerance": NO_SHARE, "threshold_tolerance": NO_SHARE},
+}
+"""What a key or what stands below it cannot be; of all others NO_QUANTITY."""
 
 
 def leaves(part, at=()):
@@ -89,12 +68,6 @@ def leaves(part, at=()):
         return
     for key in part if isinstance(part, dict) else range(len(part)):
         yield from leaves(part[key], (*at, key))
-
-
-def get(document, path):
-    for key in path:
-        document = document[key]
-    return document
 
 
 def name_of(path):
@@ -108,7 +81,8 @@ NAMED = [path for path in LEAVES if isinstance(path[-1], str)]
 
 
 def set_badly(rng, section, path):
-    section[path[-1]] = value = rng.choice(bad_values(path))
+    bad = next((BAD[key] for key in reversed(path) if key in BAD), NO_QUANTITY)
+    section[path[-1]] = value = rng.choice(bad)
     return [(name_of(path), show(value))]
 
 
@@ -155,7 +129,7 @@ def test_no_text_of_a_config_is_run(tmp_path, monkeypatch):
     for text in HOSTILE:
         document = copy.deepcopy(DEFAULT)
         for path in LEAVES:
-            get(document, path[:-1])[path[-1]] = text
+            reduce(getitem, path[:-1], document)[path[-1]] = text
         assert len(lines_of(document)) == len(LEAVES)
     assert not [*tmp_path.iterdir()]
 
@@ -169,32 +143,31 @@ def test_every_fault_is_one_line_naming_key_and_value(examples):
         for path, damage in rng.sample(DAMAGES, rng.randint(1, 3)):
             if not any(path[: len(at)] == at[: len(path)] for at in damaged):
                 damaged.append(path)
-                places += damage(rng, get(document, path[:-1]), path)
+                places += damage(rng, reduce(getitem, path[:-1], document), path)
         lines = lines_of(document)
         for name, complaint in places:
             assert any(line.startswith(name) and complaint in line for line in lines), lines
 
 
-MANY = {"from": 1, "to": 9, "points": 10**6}, {"from": "1 Hz", "to": "9 Hz", "points": 10**5}
+MANY = {
+    "N": {"from": 1, "to": 9, "points": 10**6},
+    "f0": {"from": "1 Hz", "to": "9 Hz", "points": 10**5},
+}
 ABSURD = (
-    ("device.beam.span", "1e300 m", "device.beam.span"),
-    ("sweep.f0", ["1e-300 Hz"], "sweep.f0[0]"),
-    ("sweep.f0", ["1e-15 Hz"], "sweep.f0"),
-    ("sweep", DEFAULT["sweep"] | dict(zip(("N", "f0"), MANY, strict=True)), "sweep"),
-    ("sweep.horizon", "1e30 us", "sweep.horizon"),
-    ("sweep.horizon", "1e14 us", "sweep.horizon"),
-    ("histories", [{"N": 1, "f0": "1e-14 Hz", "C": "1 kg/s"}], "histories"),
-    ("sweep.C", ["0.1 kg/s", "0.10000000000000002 kg/s"], "sweep.C"),
-    ("sweep.C", {"from": "1 kg/s", "to": "2 kg/s", "points": 1001}, "sweep.C"),
-    ("device.beam.thickness", "1e-15 um", "device.beam.thickness"),
+    ("device.beam.span", {"device__beam__span": "1e300 m"}),
+    ("device.beam.thickness", {"device__beam__thickness": "1e-15 um"}),
+    *(("sweep.f0[0]", {"sweep__f0": ["1e-300 Hz"]}), ("sweep.f0", {"sweep__f0": ["1e-15 Hz"]})),
+    ("sweep", {f"sweep__{key}": MANY[key] for key in MANY}),
+    *(("sweep.horizon", {"sweep__horizon": f"{horizon} us"}) for horizon in ("1e30", "1e14")),
+    ("histories", {"histories": [{"N": 1, "f0": "1e-14 Hz", "C": "1 kg/s"}]}),
+    ("sweep.C", {"sweep__C": ["0.1 kg/s", "0.10000000000000002 kg/s"]}),
+    ("sweep.C", {"sweep__C": {"from": "1 kg/s", "to": "2 kg/s", "points": 1001}}),
 )
 
 
-@pytest.mark.parametrize(("path", "value", "key"), ABSURD)
-def test_absurd_values_are_refused(path, value, key):
-    document, path = copy.deepcopy(DEFAULT), path.split(".")
-    get(document, path[:-1])[path[-1]] = value
-    (line,) = lines_of(document)
+@pytest.mark.parametrize(("key", "values"), ABSURD)
+def test_absurd_values_are_refused(key, values):
+    (line,) = lines_of(changed(DEFAULT, **values))
     assert line.startswith(f"{key}: ")
 
 

@@ -9,40 +9,35 @@ import numpy as np
 import pytest
 import yaml
 from small_results import CONFIG, make_cells, make_found
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, changed, faults
 from small_workflow import snakemake
 
 import snapmap
 from snapmap.applications.requirements import shocks_of
 from snapmap.config.points import read_points
 from snapmap.config.study import load_config, planned_study
-from snapmap.config.yaml_file import ConfigError, read_document
+from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan
 from snapmap.pulse.recorded import read_pulse
 from snapmap.study.netcdf import check_alike
 
-STUDY = (
-    THREE_COSINES
-    + """pulse: {file: shock.csv}
+STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
 marks: points.csv
-requirements: [{name: drop, file: shock.csv, N: 1000, snaps: false}]
-sweep:
-  N: {from: 600, to: 2400, points: 3}
-  C: [25 uN*us/um]
-  horizon: 0 us
-  until: snap
+requirements: [{{name: drop, file: shock.csv, N: 1000, snaps: false}}]
+sweep: {{N: {{from: 600, to: 2400, points: 3}}, C: [25 uN*us/um], horizon: 0 us, until: snap}}
 """
-)
-POINTS = "N,f0\n1000,2000\n"
+DOCUMENT = yaml.safe_load(STUDY)
 
 
 def write_record(path, power):
     """Half a millisecond of a half sine to some power."""
     times = np.linspace(0, 0.5, 51)
-    table = np.column_stack([times, np.sin(np.pi * times / 0.5) ** power])
-    header = "time (ms),acceleration (g)"
-    np.savetxt(path, table, delimiter=",", header=header, comments="")
+    write_table(path, "time (ms),acceleration (g)", times, np.sin(np.pi * times / 0.5) ** power)
     return path
+
+
+def write_table(path, header, *columns):
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
 
 
 @pytest.fixture
@@ -50,35 +45,37 @@ def folder(tmp_path, monkeypatch):
     """A folder with a study, its record and its points."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.yaml").write_text(STUDY, encoding="utf-8")
-    (tmp_path / "points.csv").write_text(POINTS, encoding="utf-8")
+    (tmp_path / "points.csv").write_text("N,f0\n1000,2000\n", encoding="utf-8")
     write_record(tmp_path / "shock.csv", 1)
     return tmp_path
 
 
 def test_a_study_knows_its_files_by_what_they_hold(folder):
     x = np.linspace(0, 600, 50)
-    table = np.column_stack([x, 5 * (1 - np.cos(2 * np.pi * x / 600))])
-    np.savetxt("shape.csv", table, delimiter=",", header="x (um),w (um)", comments="")
-    document = yaml.safe_load(STUDY)
-    document["device"]["beam"]["shape"] = {"file": "shape.csv"}
-    study = load_config(document)
-    names = "shock.csv", "points.csv", "shape.csv"
-    hashes = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest() for name in names}
-    assert study.files() == hashes
-    required = shocks_of(study)[0]["pulse"]
-    assert study.pulse["sha256"] == required["sha256"] == hashes["shock.csv"]
+    write_table("shape.csv", "x (um),w (um)", x, 5 * (1 - np.cos(2 * np.pi * x / 600)))
+    study = load_config(changed(DOCUMENT, device__beam__shape={"file": "shape.csv"}))
+    hashes = {path.name: hashlib.sha256(path.read_bytes()) for path in folder.glob("*.csv")}
+    assert study.files() == {name: held.hexdigest() for name, held in hashes.items()}
+    for pulse in (study.pulse, shocks_of(study)[0]["pulse"]):
+        assert pulse["sha256"] == study.files()["shock.csv"]
+
+
+def test_a_record_acts_along_the_direction_that_is_written(folder):
+    for direction in ("+z", "-z"):
+        study = load_config(changed(DOCUMENT, pulse__direction=direction))
+        assert [*study.shocks.directions] == [direction]
 
 
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
-    study = load_config(yaml.safe_load(STUDY))
+    study = load_config(DOCUMENT)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
     hold_to_plan(study.files(), plans=False)
     hold_to_plan(study.files(), plans=True)
-    assert planned_study(yaml.safe_load(STUDY), threads=2).settings.threads == 2
+    assert planned_study(DOCUMENT, threads=2).settings.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
-        planned_study(yaml.safe_load(STUDY), threads=1)
+        planned_study(DOCUMENT, threads=1)
     with pytest.raises(ValueError, match=r"^shock\.csv: was edited: its SHA-256 is not the exp"):
         read_pulse(study.pulse["file"], study.pulse["sha256"])
     with pytest.raises(ValueError, match=r"^points\.csv: was edited: its SHA-256 is not the exp"):
@@ -94,10 +91,7 @@ def test_a_record_has_a_name_that_may_stand_in_tables(folder):
     for name in HOSTILE:
         write_record(folder / f"{name}.csv", 1)
         required = {"name": "r", "file": f"{name}.csv", "N": 1000, "snaps": True}
-        document = yaml.safe_load(STUDY) | {"requirements": [required]}
-        with pytest.raises(ConfigError) as caught:
-            load_config(document)
-        (line,) = str(caught.value).splitlines()
+        (line,) = faults(DOCUMENT | {"requirements": [required]})
         assert line.startswith("requirements[0]: ") and "rename it, in letters, digits" in line
 
 
@@ -106,31 +100,10 @@ def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     snakemake(root, ".", "mine.yaml", cube)
     os.utime(folder / "shock.csv")
     assert "Nothing to be done" in snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
-    write_record(folder / "other.csv", 3)
-    os.utime(folder / "other.csv", (0, 0))
-    (folder / "other.csv").replace(folder / "shock.csv")
-    output = snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
-    assert "simulate_all  " in output
-
-
-def test_ten_million_rows_are_refused_unread(tmp_path):
-    path = tmp_path / "points.csv"
-    with open(path, "wb") as file:
-        file.truncate(100_000_000)
-    tracemalloc.start()
-    with pytest.raises(ValueError, match=r"points\.csv: has 100 MB; write at most 10000 rows"):
-        read_points(path)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 10_000_000
-
-
-def test_no_other_file_is_quoted(tmp_path):
-    path = tmp_path / "points.csv"
-    path.write_text("root:x:0:0:secret,word\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=r"points\.csv: line 1: ") as fault:
-        read_points(path)
-    assert "secret" not in str(fault.value) and "word" not in str(fault.value)
+    other = write_record(folder / "other.csv", 3)
+    os.utime(other, (0, 0))
+    other.replace(folder / "shock.csv")
+    assert "simulate_all  " in snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
 
 
 def test_a_folder_in_place_of_a_product_is_named(root, folder):
@@ -140,24 +113,38 @@ def test_a_folder_in_place_of_a_product_is_named(root, folder):
     assert "Traceback" not in output
 
 
+def test_ten_million_rows_are_refused_unread(tmp_path):
+    with open(tmp_path / "points.csv", "wb") as file:
+        file.truncate(100_000_000)
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=r"points\.csv: has 100 MB; write at most 10000 rows"):
+        read_points(tmp_path / "points.csv")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10_000_000
+
+
+def test_no_other_file_is_quoted(tmp_path):
+    (tmp_path / "points.csv").write_text("root:x:0:0:secret,word\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"points\.csv: line 1: ") as fault:
+        read_points(tmp_path / "points.csv")
+    assert "secret" not in str(fault.value) and "word" not in str(fault.value)
+
+
 def test_plain_numbers_are_read_as_they_are(tmp_path):
-    path = tmp_path / "plain.yaml"
-    path.write_text("a: [0, -7, 0.5, +3, 1.5e+3, .5, 1e3]\n", encoding="utf-8")
-    assert read_document(path) == {"a": [0, -7, 0.5, 3, 1500.0, 0.5, "1e3"]}
+    (tmp_path / "plain.yaml").write_text("a: [0, -7, 0.5, +3, 1.5e+3, .5, 1e3]\n")
+    assert read_document(tmp_path / "plain.yaml") == {"a": [0, -7, 0.5, 3, 1500.0, 0.5, "1e3"]}
 
 
 def test_a_product_of_another_study_is_named():
-    cube, found = make_cells(["22"]), make_found(C=(25.0,)).isel(f0=slice(2))
-    cube = cube.expand_dims("C").assign_coords(f0=found.f0)
+    found = make_found(C=(25.0,)).isel(f0=slice(2))
+    cube = make_cells(["22"]).expand_dims("C").assign_coords(f0=found.f0)
     check_alike(cube, found, "threshold.nc")
-    other = CONFIG | {"model": {"name": "cosines"}}
-    for foreign in (
-        found.assign_coords(C=[7.0]),
-        found.assign_attrs(config=json.dumps(other)),
-        found.drop_attrs(),
-    ):
+    other = json.dumps(CONFIG | {"model": {"name": "cosines"}})
+    foreign = found.assign_coords(C=[7.0]), found.assign_attrs(config=other), found.drop_attrs()
+    for each in foreign:
         with pytest.raises(ValueError, match=r"^threshold\.nc: belongs to another study;"):
-            check_alike(cube, foreign, "threshold.nc")
+            check_alike(cube, each, "threshold.nc")
 
 
 @pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])

@@ -1,6 +1,5 @@
 """Quality factors: what a config gives is what a free decay measures; frequencies likewise."""
 
-import copy
 import math
 from dataclasses import replace
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import yaml
-from small_studies import THREE_COSINES
+from small_studies import MISSING, THREE_COSINES, changed, faults
 
 import snapmap
 from snapmap.beam.elements import hermite_elements
@@ -17,7 +16,6 @@ from snapmap.config.devices import read_device
 from snapmap.config.doubts import doubts
 from snapmap.config.study import load_config
 from snapmap.config.vibrations import vibrations
-from snapmap.config.yaml_file import ConfigError
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import follow, nodal_system
@@ -27,33 +25,15 @@ SWEEP = "sweep: {N: [900, 1000], f0: [1500 Hz], horizon: 100 us}"
 DOCUMENT = yaml.safe_load(THREE_COSINES + SWEEP)
 DOCUMENT["device"] |= {"gap": "5 um", "quality_factor": 94}
 DOCUMENT["device"]["beam"]["quality_factor"] = 60
-BEAMS = [{}, {"rise": "5 um"}, {"residual_stress": "-40 MPa"}]
-BEAMS += [{"residual_stress": "20 MPa", "rise": "12 um"}]
-BEAMS += [{"guide": "free", "imperfection": "0.05 um"}]
-BEAMS += [{"guide": "free", "imperfection": "2 um", "residual_stress": "-8 MPa"}]
+BEAMS = (
+    *({}, {"rise": "5 um"}, {"residual_stress": "-40 MPa"}),
+    *({"residual_stress": "20 MPa", "rise": "12 um"}, {"guide": "free", "imperfection": "0.05 um"}),
+    {"guide": "free", "imperfection": "2 um", "residual_stress": "-8 MPa"},
+)
 
 
-def changed(**values):
-    """The document with other values of the device, of its beam, or in the sweep; None: without."""
-    document = copy.deepcopy(DOCUMENT)
-    device, sweep = document["device"], document["sweep"]
-    for key, value in values.items():
-        part = {"beam": device["beam"], "device": device, "sweep": sweep}[key.partition("_")[0]]
-        part[key.partition("_")[2]] = value
-    for part in (device, device["beam"], sweep):
-        for key in [key for key, value in part.items() if value is None]:
-            del part[key]
-    return document
-
-
-def faults(document):
-    with pytest.raises(ConfigError) as caught:
-        load_config(document)
-    return caught.value.args
-
-
-def dense_modes(beam, elements):
-    """Mass matrix, squares of frequencies and shapes at the least of the energy, by LAPACK."""
+def symmetric_mode(beam, elements):
+    """Frequency and shape of the one of the first two that a shaken frame moves more, by LAPACK."""
     basis = hermite_elements(elements, free=bool(beam.free)).scaled_to(beam)
     made = q = basis.start
     for _ in range(20):
@@ -64,12 +44,6 @@ def dense_modes(beam, elements):
         tangent = tangent + 2 * beam.axial_stiffness * np.outer(slope, slope)
         q = q - np.linalg.solve(tangent, basis.bending @ (q - made) - N * slope)
     squares, shapes = scipy.linalg.eigh(tangent, basis.mass)
-    return basis, squares, shapes
-
-
-def symmetric_mode(beam, elements):
-    """Frequency and shape of the one of the first two that a shaken frame moves more."""
-    basis, squares, shapes = dense_modes(beam, elements)
     first = np.argmax(abs(basis.load @ shapes)[: 1 + bool(beam.free)])
     return np.sqrt(squares[first]), shapes[:, first]
 
@@ -86,24 +60,21 @@ def decay(time, motion):
 
 @pytest.mark.parametrize("values", BEAMS, ids=str)
 def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(values):
-    document = changed(**{f"beam_{key}": value for key, value in values.items()})
-    device = read_device(document["device"])
+    section = changed(DOCUMENT["device"], **{f"beam__{key}": values[key] for key in values})
+    device = read_device(section)
     model = build_model(device, "reference", elements=5)
     system, n = nodal_system(device, model.basis), model.basis.load.size
     dt = model.steps.longest[MOVE].item()
     history = np.zeros((round(300.0 / dt), 2 * n + 4))
     # A weak, short push: the mass stays away, and the beam's motion is linear.
-    follow(
-        system, make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0, -np.inf, dt,
-        len(history), history,
-    )  # fmt: skip
+    push = make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0
+    follow(system, *push, -np.inf, dt, len(history), history)
     dense, _ = symmetric_mode(device.beam, elements=20)
     # Ten elements leave 1e-4 of what twenty have almost to the end: order 4.
     assert natural_frequency(device.beam) == pytest.approx(dense, rel=1.5e-4)
     omega, shape = symmetric_mode(device.beam, elements=5)
     time, free = np.arange(len(history)) * dt, slice(math.ceil(3.0 / dt), None)
-    motion = history[free, :n] @ system.inertia @ shape
-    measured, quality = decay(time[free], motion)
+    measured, quality = decay(time[free], history[free, :n] @ system.inertia @ shape)
     # Five elements are up to 2e-3 too fast.
     assert measured == pytest.approx(omega, rel=2e-4)
     assert measured == pytest.approx(natural_frequency(device.beam), rel=2e-3)
@@ -111,7 +82,7 @@ def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(valu
 
 
 def test_a_free_decay_measures_the_quality_factor_of_the_mass():
-    study = load_config(changed(device_quality_factor=20))
+    study = load_config(changed(DOCUMENT, device__quality_factor=20))
     (C,) = study.axes["C"]
     run = snapmap.simulate(study.device, 0.1, 50e3, C, model="cosines", modes=3, horizon=3000.0)
     after = run.time > 25.0
@@ -120,76 +91,69 @@ def test_a_free_decay_measures_the_quality_factor_of_the_mass():
     assert quality == pytest.approx(20.0, rel=2e-3)
 
 
-def test_a_quality_factor_stands_for_the_damping():
+def test_a_quality_factor_stands_for_the_damping_and_is_told_as_it_was_written():
     study = load_config(DOCUMENT)
-    beam = study.device.beam
+    beam, C = study.device.beam, study.axes["C"]
     assert beam.damping == natural_frequency(replace(beam, damping=0.0)) / 60
-    assert study.axes["C"].tolist() == [math.sqrt(5.5 * 1e4) / 94]
-    spelled = changed(
-        beam_quality_factor=None,
-        beam_damping=f"{beam.damping!r} /us",
-        device_quality_factor=None,
-        sweep_C=[f"{study.axes['C'].item()!r} uN*us/um"],
-    )
-    again = load_config(spelled)
-    assert again.document() == study.document() and again.axes["C"] == study.axes["C"]
+    assert C.tolist() == [math.sqrt(5.5 * 1e4) / 94]
+    (part, _, of_beam), (other, _, of_mass) = vibrations(study.device, C)
+    assert (part, of_beam, other) == ("beam", "60", "mass") and of_mass.startswith("94 at C = ")
+    factors = dict.fromkeys(("device__beam__quality_factor", "device__quality_factor"), MISSING)
+    spelled = {"device__beam__damping": f"{beam.damping!r} /us", **factors}
+    again = load_config(changed(DOCUMENT, **spelled, sweep__C=[f"{C.item()!r} uN*us/um"]))
+    assert again.document() == study.document() and again.axes["C"] == C
 
 
-def test_quality_factors_are_told_as_they_were_written():
-    study = load_config(DOCUMENT)
-    (beam, _, of_beam), (mass, _, of_mass) = vibrations(study.device, study.axes["C"])
-    assert (beam, of_beam, mass) == ("beam", "60", "mass") and of_mass.startswith("94 at C = ")
-
-
-def test_axes_and_tolerances_leave_the_damping_as_it_is():
-    study = load_config(changed(sweep_thickness=["1.9 um", "2.1 um"], sweep_spring=["5 N/m"]))
-    alone = load_config(DOCUMENT)
+def test_axes_of_the_device_leave_the_damping_as_it_is():
+    alone, axes = load_config(DOCUMENT), {"thickness": ["1.9 um", "2.1 um"], "spring": ["5 N/m"]}
+    study = load_config(changed(DOCUMENT, **{f"sweep__{key}": axes[key] for key in axes}))
     assert set(study.grid.device.beam.damping) == {alone.device.beam.damping}
     assert study.axes["C"] == alone.axes["C"]
 
 
 def test_several_devices_share_one_C():
     def several(**softer):
-        two = DOCUMENT["device"] | softer
-        parts = {key: value for key, value in DOCUMENT.items() if key != "device"}
-        return parts | {"devices": {"one": DOCUMENT["device"], "two": two}}
+        devices = {"one": DOCUMENT["device"], "two": DOCUMENT["device"] | softer}
+        return changed(DOCUMENT, device=MISSING, devices=devices)
 
     assert load_config(several(gap="3 um")).axes["C"] == load_config(DOCUMENT).axes["C"]
     for softer in ({"spring": "4 N/m"}, {"quality_factor": 90}):
         (line,) = faults(several(**softer))
         assert line.startswith("devices: quality factors give each device another C")
-    both = several()
-    both["sweep"] = both["sweep"] | {"C": ["1 uN*us/um"]}
-    keys = [line.split(": ")[0] for line in faults(both)]
-    assert keys == [f"devices.{name}.quality_factor" for name in ("one", "two")]
+    lines = faults(changed(several(), sweep__C=["1 uN*us/um"]))
+    keys = [f"devices.{name}.quality_factor" for name in ("one", "two")]
+    assert [line.split(": ")[0] for line in lines] == keys
 
 
-ODD = (
-    ({"beam_span": "800 mm"}, ["span/thickness = 400000"]),
-    ({"beam_span": "60 um"}, ["rise/span = 0.167"]),
-    ({"sweep_f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz"]),
-    ({"sweep_f0": ["3 Hz", "1500 MHz"]}, []),
-    (
-        {"beam_span": "60 um", "beam_thickness": "4 um"},
-        ["rise/span = 0.167", "span/thickness = 15"],
-    ),
-    ({"beam_depth": "22 mm"}, ["depth/span = 36.7"]),
-    ({"beam_depth": "22 nm"}, ["depth/thickness = 0.011"]),
-    ({"device_gravity": "9810 m/s^2"}, ["gravity = 9810 m/s^2 is outside the usual 0.1 m/s^2 to"]),
-    ({"device_gravity": "9.81 mm/s^2"}, ["gravity = 0.00981 m/s^2 is outside the usual 0.1 m/s^2"]),
-    ({"device_gravity": "1.62 m/s^2"}, []),
-    ({"device_gravity": "490 m/s^2"}, []),
-    ({"sweep_thickness": ["2 um", "0.1 um"]}, ["span/thickness = 6000"]),
-    ({"device_quality_factor": None, "sweep_C": ["0 kg/s", "0.025 kg/s"]}, ["C = 25000"]),
-    ({"sweep_f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
-    ({"device_stops": {"toward": "5 um"}}, ["device: stops.toward: 5 um is within the gap"]),
-    ({"device_stops": {"toward": "18 um"}}, ["device: stops.toward: 18 um stops the mass before"]),
-    ({"device_stops": {"toward": "19 um"}}, []),
+THICK = {"device__beam__span": "60 um", "device__beam__thickness": "4 um"}
+NOT_SHALLOW, UNUSUAL = "rise/span = 0.167", "m/s^2 is outside the usual 0.1 m/s^2 to"
+DAMPED = {"device__quality_factor": MISSING, "sweep__C": ["0 kg/s", "0.025 kg/s"]}
+STOPPED = "device: stops.toward: 18 um stops the mass before"
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"device__beam__span": "800 mm"}, ["span/thickness = 400000"]),
+        ({"device__beam__span": "60 um"}, [NOT_SHALLOW]),
+        (THICK, [NOT_SHALLOW, "span/thickness = 15"]),
+        ({"device__beam__depth": "22 mm"}, ["depth/span = 36.7"]),
+        ({"device__beam__depth": "22 nm"}, ["depth/thickness = 0.011"]),
+        ({"sweep__thickness": ["2 um", "0.1 um"]}, ["span/thickness = 6000"]),
+        ({"device__gravity": "9810 m/s^2"}, [f"gravity = 9810 {UNUSUAL}"]),
+        ({"device__gravity": "9.81 mm/s^2"}, [f"gravity = 0.00981 {UNUSUAL}"]),
+        *(({"device__gravity": f"{usual} m/s^2"}, []) for usual in (1.62, 490)),
+        (DAMPED, ["C = 25000"]),
+        ({"sweep__f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz"]),
+        ({"sweep__f0": ["3 Hz", "1500 MHz"]}, []),
+        ({"sweep__f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
+        ({"device__stops": {"toward": "5 um"}}, ["device: stops.toward: 5 um is within the gap"]),
+        ({"device__stops": {"toward": "18 um"}}, [STOPPED]),
+        ({"device__stops": {"toward": "19 um"}}, []),
+    ],
 )
-
-
-@pytest.mark.parametrize(("values", "values_told"), ODD)
-def test_what_is_hardly_meant_is_told(values, values_told):
-    lines = [line for line in doubts(load_config(changed(**values))) if "guided" not in line]
-    assert len(lines) == len(values_told)
-    assert all(line.startswith(start) for line, start in zip(lines, values_told, strict=True))
+def test_what_is_hardly_meant_is_told_and_nothing_else(values, told):
+    doubted = doubts(load_config(changed(DOCUMENT, **values)))
+    lines = [line for line in doubted if "guided" not in line]
+    assert len(lines) == len(told)
+    assert all(line.startswith(start) for line, start in zip(lines, told, strict=True))

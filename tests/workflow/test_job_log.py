@@ -17,25 +17,20 @@ def test_the_log_has_what_is_printed_and_the_terminal_warnings(tmp_path, capsys)
     assert (tmp_path / "log").read_text() == "12 cells\nabout 5 min\ncareful\n"
 
 
-@pytest.mark.parametrize(
-    ("fault", "said"),
-    [
-        (ValueError("cube.nc: a hole"), "cube.nc: a hole\n"),
-        (OSError("cube.nc: not written"), "cube.nc: not written\n"),
-        (MemoryError(), "MemoryError\n"),
-    ],
-)
-def test_what_a_user_can_mend_is_one_line(tmp_path, fault, said):
-    with pytest.raises(SystemExit) as end, job_log(tmp_path / "log"):
+def log_of(fault, path):
+    """What a log says of a fault, which ends the job."""
+    with pytest.raises(SystemExit) as end, job_log(path):
         raise fault
-    assert end.value.code == 1 and (tmp_path / "log").read_text() == said
+    assert end.value.code == 1
+    return path.read_text()
 
 
-def test_what_nobody_foresaw_has_a_traceback(tmp_path):
-    with pytest.raises(SystemExit), job_log(tmp_path / "log"):
-        raise KeyError("f0")
-    said = (tmp_path / "log").read_text()
-    assert said.startswith("Traceback") and "KeyError: 'f0'" in said
+def test_what_a_user_can_mend_is_one_line_and_all_else_has_a_traceback(tmp_path):
+    for fault in (ValueError("cube.nc: a hole"), OSError("cube.nc: not written")):
+        assert log_of(fault, tmp_path / "log") == f"{fault}\n"
+    assert log_of(MemoryError(), tmp_path / "log") == "MemoryError\n"
+    unforeseen = log_of(KeyError("f0"), tmp_path / "log")
+    assert unforeseen.startswith("Traceback") and "KeyError: 'f0'" in unforeseen
 
 
 def test_where_the_log_is_full_the_terminal_hears_of_it(capsys):

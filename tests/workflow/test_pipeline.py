@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import zipfile
-from contextlib import contextmanager
 
 import pytest
 import xarray as xr
@@ -33,26 +32,31 @@ def planned_rules(output):
     return {rule: int(count) for rule, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
 
 
-def tracked_state(root):
-    skip = {".snakemake", "results"}
-    files = (path for path in root.rglob("*") if path.is_file())
-    return {
-        path: path.stat().st_mtime_ns
-        for path in files
-        if not skip & set(path.relative_to(root).parts)
-    }
+def times_of_files(folder):
+    """When each file was written, but for what Snakemake and runs leave behind."""
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    kept = [path for path in files if not {".snakemake", "results"} & {*path.parts}]
+    return {path: path.stat().st_mtime_ns for path in kept}
 
 
 @pytest.fixture(scope="module")
 def clone(root, tmp_path_factory):
     """A copy of the project's files alone, in a folder whose name has a space."""
     clone = tmp_path_factory.mktemp("a clone") / "snap map"
-    shutil.copytree(
-        root,
-        clone,
-        ignore=shutil.ignore_patterns(".*", "results", "build", "__pycache__", "tests"),
-    )
-    return clone
+    ignored = shutil.ignore_patterns(".*", "results", "build", "__pycache__", "tests")
+    return shutil.copytree(root, clone, ignore=ignored)
+
+
+def study_of(text):
+    return load_config(yaml.safe_load(text))
+
+
+def files_of(stems):
+    return {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
+
+
+def figures_of(folder):
+    return {path.name for path in (folder / "results" / "figures").iterdir()}
 
 
 def make(folder, names):
@@ -65,15 +69,14 @@ def make(folder, names):
 def finished(clone, tmp_path_factory):
     """A study's folder and config, and what two runs printed: of the cube alone, and of all."""
     folder = tmp_path_factory.mktemp("a study")
-    config = folder / "mine.yaml"
-    config.write_text(TINY)
+    (config := folder / "mine.yaml").write_text(TINY)
     make(folder, [*OLD, *USERS, "results/logs/find_window.log"])
     (folder / "results" / LIST).write_text("\n".join([HEAD, *OLD, ""]))
-    before = tracked_state(clone)
+    before = times_of_files(clone)
     cube = snakemake(clone, folder, config, "results/cube.nc")[1]
     assert all((folder / name).exists() for name in OLD)
     rest = snakemake(clone, folder, config)[1]
-    assert tracked_state(clone) == before, "the run wrote into the clone"
+    assert times_of_files(clone) == before, "the run wrote into the clone"
     return folder, config, (cube, rest)
 
 
@@ -94,7 +97,7 @@ def test_cube_and_thresholds_are_what_python_gives(finished):
         proven = cube.outcome.isin([NEVER, LATCHED, RETURNED])
         assert (cube.t_settled.notnull() == proven).all()
         assert cube.energy_error.max() <= 1e-3
-        document = load_config(yaml.safe_load(TINY)).document()
+        document = study_of(TINY).document()
         assert json.loads(cube.config) == json.loads(direct.config) == document
         assert snapmap.__version__ in cube.code_version and "numba" in cube.packages
 
@@ -103,8 +106,7 @@ def test_a_run_ends_with_a_line_of_each_product_that_it_made(finished):
     cube, rest = finished[2]
     assert "results/cube.nc: 32 cells" in cube and "results/threshold.nc: 4 of 4" in rest
     assert "results/threshold.nc" not in cube and "results/explore.html: open it" in rest
-    for output in (cube, rest):
-        assert "Nothing to be done" not in output and "an old line" not in output
+    assert not any(words in cube + rest for words in ("Nothing to be done", "an old line"))
     assert len(list((finished[0] / "results" / "logs").iterdir())) > len(RULES)
 
 
@@ -123,33 +125,33 @@ def test_the_workflow_is_formatted(clone):
 
 
 def test_maps_are_panels_of_one_figure_each_and_single_on_request():
-    document = yaml.safe_load(TINY)
-    figures = choose_views(load_config(document)).maps
-    assert [figure.name for figure in figures] == ["snap_maps", "time_maps", "maps"]
-    places = [[view["at"] for view in figure.panels] for figure in figures]
-    assert places == [[{"C": 0}, {"C": 1}]] * 3
-    document["maps"] = [{"x": "f0", "y": "N", "at": {"C": "30 uN*us/um"}}]
-    figures = choose_views(load_config(document)).maps
-    names = [f"{word}_f0_N_C30" for word in ("snap", "time", "map")]
-    assert [figure.name for figure in figures] == names
-    assert [[view["at"] for view in figure.panels] for figure in figures] == [[{"C": 1}]] * 3
+    def panels(**requested):
+        figures = choose_views(load_config(yaml.safe_load(TINY) | requested)).maps
+        return {figure.name: [view["at"] for view in figure.panels] for figure in figures}
+
+    names = "snap_maps", "time_maps", "maps"
+    assert [*panels().items()] == [(name, [{"C": 0}, {"C": 1}]) for name in names]
+    captioned = choose_views(study_of(TINY)).stems
+    assert (captioned["snap_maps"], captioned["maps"]) == (["snap_maps"], ["time_maps", "maps"])
+    wanted = {"C0.5": "0.5 uN*us/um", "C30": "30 uN*us/um"}
+    single = panels(maps=[{"x": "f0", "y": "N", "at": {"C": C}} for C in wanted.values()])
+    words = "snap", "time", "map"
+    names = [(f"{word}_f0_N_{C}", [{"C": i}]) for i, C in enumerate(wanted) for word in words]
+    assert [*single.items()] == names
 
 
 def test_every_figure_is_there(finished):
-    (history,) = load_config(yaml.safe_load(TINY)).requests["histories"]
     stems = ["maps", "snap_maps", "time_maps", "thresholds", "damage_boundary", "statics"]
-    stems += [f"history_{history.name}"]
-    expected = {f"results/figures/{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
-    made = {f"results/figures/{path.name}" for path in (finished[0] / "results/figures").iterdir()}
-    assert made == expected.union(USERS[:1])
+    stems += [f"history_{history.name}" for history in study_of(TINY).requests["histories"]]
+    assert figures_of(finished[0]) == files_of(stems) | {"window_1.pdf"}
 
 
 def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, finished):
     """Also where there is nothing else to do."""
     folder, _, (_, output) = finished
-    other = folder / "other.yaml"
     text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
-    other.write_text(text.replace("horizon: 200 us", "horizon: 0.2 ms"))
+    text = text.replace("horizon: 200 us", "horizon: 0.2 ms")
+    (other := folder / "other.yaml").write_text(text)
     listing = folder / "results" / LIST
     for again in (False, True):
         if again:
@@ -170,84 +172,70 @@ def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, f
 
 @pytest.mark.parametrize("cores", ["0", "-1"])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
-    refused = snakemake(
-        clone, tmp_path, finished[1], f"--cores={cores}", "--dry-run", cores="", check=False
-    )
-    assert refused[0] != 0 and f"--cores {cores}: no job would ever start" in refused[1]
-    assert "Traceback" not in refused[1] and not (tmp_path / "results").exists()
+    options = f"--cores={cores}", "--dry-run"
+    code, output = snakemake(clone, tmp_path, finished[1], *options, cores="", check=False)
+    assert code != 0 and f"--cores {cores}: no job would ever start" in output
+    assert "Traceback" not in output and not (tmp_path / "results").exists()
 
 
-@contextmanager
-def edited(path, text):
-    """Add text to a file for a while."""
-    before = path.read_text(encoding="utf-8")
-    path.write_text(before + text, encoding="utf-8")
-    try:
-        yield
-    finally:
-        path.write_text(before, encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("path", "rules"),
-    [
-        ("snapmap/applications/page/explore.js", DRAWING),
-        ("snapmap/thresholds/survey.py", RULES),
-        ("snapmap/workflow/command.py", set()),
-        pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
-        pytest.param("jobs.py", RULES, marks=pytest.mark.long),
-    ],
+EDITS = (
+    ("snapmap/applications/page/explore.js", DRAWING),
+    ("snapmap/thresholds/survey.py", RULES),
+    ("snapmap/workflow/command.py", set()),
+    pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
+    pytest.param("jobs.py", RULES, marks=pytest.mark.long),
 )
-def test_an_edit_reruns_what_makes_numbers_or_what_draws(clone, finished, path, rules):
-    """And a touch nothing."""
-    folder, config, _ = finished
-    for source in (clone / "workflow" / "scripts").rglob("*.py"):
+
+
+@pytest.mark.parametrize(("path", "rules"), EDITS)
+def test_an_edit_reruns_what_makes_numbers_or_what_draws_and_a_touch_nothing(
+    clone, finished, path, rules
+):
+    scripts = clone / "workflow" / "scripts"
+    for source in scripts.rglob("*.py"):
         source.touch()
-    with edited(clone / "workflow" / "scripts" / path, "EDITED = 1\n"):
-        output = snakemake(clone, folder, config, "--dry-run")[1]
-    assert planned_rules(output).keys() - {"all"} == rules
+    before = (scripts / path).read_text(encoding="utf-8")
+    (scripts / path).write_text(before + "EDITED = 1\n", encoding="utf-8")
+    code, output = snakemake(clone, *finished[:2], "--dry-run", check=False)
+    (scripts / path).write_text(before, encoding="utf-8")
+    assert code == 0 and planned_rules(output).keys() - {"all"} == rules, output
 
 
 @pytest.mark.long
 def test_a_finished_run_makes_a_report(clone, finished):
-    folder, config, _ = finished
-    snakemake(clone, folder, config, "--report", folder / "report.zip", cores="")
-    with zipfile.ZipFile(folder / "report.zip") as report:
+    path = finished[0] / "report.zip"
+    snakemake(clone, *finished[:2], "--report", path, cores="")
+    with zipfile.ZipFile(path) as report:
         (page,) = [name for name in report.namelist() if name.endswith("report.html")]
         text = report.read(page).decode()
     assert "Force that holds the midpoint" in text, "the caption of an application"
 
 
 def test_studies_are_targets_of_their_own(clone, finished):
-    folder, config, _ = finished
-    _, output = snakemake(clone, folder, config, "accuracy", "stability", "--dry-run")
+    _, output = snakemake(clone, *finished[:2], "accuracy", "stability", "--dry-run")
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
 def test_another_grid_makes_the_cube_anew_and_a_large_one_in_slabs(clone, finished):
-    folder, changed = finished[0], finished[0] / "changed.yaml"
-    changed.write_text(TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]"))
-    _, output = snakemake(clone, folder, changed, "--dry-run")
-    assert planned_rules(output)["simulate_all"] == 1
-    changed.write_text(TINY.replace("points: 8", "points: 80000"))
-    planned = planned_rules(snakemake(clone, folder, changed, "--dry-run")[1])
-    assert planned["simulate_slab"] >= 2 and planned["collect"] == 1
-    assert "simulate_all" not in planned
+    def planned(*replaced):
+        (config := finished[0] / "changed.yaml").write_text(TINY.replace(*replaced))
+        return planned_rules(snakemake(clone, finished[0], config, "--dry-run")[1])
+
+    assert planned("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]")["simulate_all"] == 1
+    large = planned("points: 8", "points: 80000")
+    assert large["simulate_slab"] >= 2 and large["collect"] == 1 and "simulate_all" not in large
 
 
 @pytest.mark.long
 def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_path, monkeypatch):
-    config = tmp_path / "mine.yaml"
-    config.write_text(EVERY_PRODUCT)
+    (config := tmp_path / "mine.yaml").write_text(EVERY_PRODUCT)
     (tmp_path / "shots.csv").write_text(SHOTS)
     snakemake(clone, tmp_path, config)
     monkeypatch.chdir(tmp_path)
-    study = load_config(yaml.safe_load(EVERY_PRODUCT))
-    stems = [stem for several in choose_views(study).stems.values() for stem in several]
-    stems += [stem for figures in gather("figures", study).values() for stem in figures]
-    expected = {f"{stem}.{kind}" for stem in stems for kind in ("pdf", "png")}
-    expected -= {f"{stem}.{kind}" for stem in ("explore.html", "window") for kind in ("pdf", "png")}
-    assert {path.name for path in (tmp_path / "results" / "figures").iterdir()} == expected
+    study = study_of(EVERY_PRODUCT)
+    stems = {stem for several in choose_views(study).stems.values() for stem in several}
+    stems |= {stem for figures in gather("figures", study).values() for stem in figures}
+    assert figures_of(tmp_path) == files_of(stems - {"explore.html", "window"})
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
         assert "crash" in text and "shaking" in text
@@ -261,7 +249,7 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
 def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
     """With fewer points and a cheaper model; on its range all requirements can be met."""
     text = (clone / "config" / "arm.yaml").read_text(encoding="utf-8")
-    axes = window.figures(load_config(yaml.safe_load(text)))["window"]["axes"]
+    axes = window.figures(study_of(text))["window"]["axes"]
     assert [*axes] == ["spring", "C"]
     text = text.replace("points: 8", "points: 3").replace("samples: 200", "samples: 16")
     text = text.replace("name: auto", "name: cosines, modes: 3")

@@ -4,9 +4,9 @@ import io
 import logging
 import re
 import sys
+from contextlib import closing
 from pathlib import Path
 
-import pytest
 from snakemake.common import NOTHING_TO_BE_DONE_MSG
 
 from snapmap.files.counting import count, counting
@@ -14,17 +14,8 @@ from snapmap.workflow.job_log import count_path
 from snapmap.workflow.progress import Idle, Progress, hush
 
 
-class Terminal(io.StringIO):
-    """A stream that says it is a terminal."""
-
-    def isatty(self):
-        return True
-
-
-def record(event, level=logging.INFO, **facts):
-    made = logging.makeLogRecord({"msg": "said", "levelno": level, "event": event})
-    made.__dict__.update(facts)
-    return made
+def record(event=None, level=logging.INFO, **facts):
+    return logging.makeLogRecord({"msg": "said", "levelno": level, "event": event, **facts})
 
 
 def job(number, rule, message, **wildcards):
@@ -32,33 +23,40 @@ def job(number, rule, message, **wildcards):
     return record("job_info", **facts, log=[f"results/logs/{rule}.log"])
 
 
-def tell(progress):
-    """Let two slabs begin, one end, and the threshold begin."""
-    progress.emit(job(1, "simulate_slab", "Simulate the cells", slab="a"))
-    progress.emit(job(2, "simulate_slab", "Simulate the cells", slab="b"))
-    progress.emit(record("job_finished", job_id=1))
-    progress.emit(job(3, "find_threshold", "Find the thresholds"))
-    progress.emit(record("progress", done=1, total=3))
-    progress.emit(record("shellcmd"))
+RECORDS = (
+    job(1, "simulate_slab", "Simulate the cells", slab="a"),
+    job(2, "simulate_slab", "Simulate the cells", slab="b"),
+    record("job_finished", job_id=1),
+    job(3, "find_threshold", "Find the thresholds"),
+    *(record("progress", done=1, total=3), record("shellcmd")),
+)
 
 
-@pytest.fixture
-def progress():
-    made = Progress({"a": 30, "b": 90}, [].append)
-    yield made
-    made.close()
+def said_on(stream, monkeypatch):
+    """What is said of two slabs that begin, of which one ends, and of a threshold that begins."""
+    monkeypatch.setattr(sys, "stderr", stream)
+    ended = []
+    with closing(Progress({"a": 30, "b": 90}, ended.append)) as progress:
+        progress.begin()
+        for each in RECORDS:
+            progress.emit(each)
+        assert ended == [1]
+        return stream.getvalue()
 
 
-def test_a_terminal_has_one_line_with_cells_and_jobs_at_work(progress, tmp_path, monkeypatch):
+def test_a_terminal_has_one_line_with_cells_and_jobs_at_work(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "stderr", Terminal())
     Path("results/logs").mkdir(parents=True)
     count_path("results/logs/find_threshold.log").write_text("\r100 cells\r700 cells ")
-    progress.begin()
-    tell(progress)
-    last = re.split(r"[\r\n]+", sys.stderr.getvalue())[-1]
+    (terminal := io.StringIO()).isatty = lambda: True
+    said = said_on(terminal, monkeypatch)
     parts = "30 of 120 cells, 25 %", "left", "1 of 3 jobs", "Find the thresholds, 700 cells"
-    assert all(part in last for part in parts) and "\n" not in sys.stderr.getvalue()
+    assert all(part in said.split("\r")[-1] for part in parts) and "\n" not in said
+
+
+def test_a_log_has_each_stage_once(monkeypatch):
+    said = said_on(io.StringIO(), monkeypatch)
+    assert said == "Simulate the cells\nFind the thresholds\n"
 
 
 def test_cells_are_counted_for_who_waits():
@@ -74,31 +72,19 @@ def test_cells_are_counted_for_who_waits():
     assert not silent.getvalue()
 
 
-def test_a_log_has_each_stage_once(progress, monkeypatch):
-    monkeypatch.setattr(sys, "stderr", io.StringIO())
-    progress.begin()
-    tell(progress)
-    assert sys.stderr.getvalue() == "Simulate the cells\nFind the thresholds\n"
-    assert progress.ended.__self__ == [1]
-
-
 def test_where_nothing_is_to_be_run_a_function_is_called():
     called = []
     idle = Idle(lambda: called.append(1))
-    idle.emit(record(None))
+    idle.emit(record())
     assert not called
-    words = record(None)
-    words.msg = NOTHING_TO_BE_DONE_MSG
-    idle.emit(words)
+    idle.emit(record(msg=NOTHING_TO_BE_DONE_MSG))
     assert called == [1]
 
 
 def test_faults_are_not_hushed():
     handler = logging.StreamHandler(io.StringIO())
     hush(handler)
-    assert not handler.filter(record("job_info")) and not handler.filter(record("progress"))
-    assert not handler.filter(record(None))
+    assert not any(handler.filter(record(event)) for event in ("job_info", "progress", None))
     assert handler.filter(record("job_error", logging.ERROR))
-    wrapped = record("error", logging.ERROR)
-    wrapped.msg = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
-    assert not handler.filter(wrapped)
+    wrapped = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
+    assert not handler.filter(record("error", logging.ERROR, msg=wrapped))

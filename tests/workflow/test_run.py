@@ -13,7 +13,6 @@ import pytest
 from small_workflow import wait_for
 
 ROOT = Path(__file__).resolve().parents[2]
-PYTHONS = ["python3", "python3.13", "python3.12", "python3.11"]
 
 # Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.
 FAKE_PYTHON = f"""#!/bin/sh
@@ -37,35 +36,34 @@ LOCK = "locks/requirements.lock"
 class Clone:
     """A copy of `run` with a lock of its own, and stand-ins for Python first on PATH."""
 
-    def __init__(self, folder: Path, tmp: Path):
+    def __init__(self, folder, tmp):
         self.folder, self.fakes = folder, tmp / "fakes"
-        folder.mkdir()
         self.fakes.mkdir()
+        (folder / "locks").mkdir(parents=True)
         shutil.copy(ROOT / "run", folder)
-        (folder / "locks").mkdir()
         (folder / LOCK).write_text("# nothing\n")
         self.fake_python(FAKE_PYTHON.replace("@fakes@", str(self.fakes)))
         path = f"{self.fakes}:{os.environ['PATH']}"
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
 
-    def fake_python(self, text: str, names: list[str] = PYTHONS) -> None:
-        for name in names:
+    def fake_python(self, text):
+        for name in ("python3", "python3.13", "python3.12", "python3.11"):
             (self.fakes / name).write_text(text)
             (self.fakes / name).chmod(0o755)
 
-    def fault(self, shell_code: str) -> None:
+    def fault(self, shell_code):
         (self.fakes / "fault").write_text(shell_code)
 
-    def start(self, *command: str, **options) -> subprocess.Popen:
+    def start(self, *command, **options):
         options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         return subprocess.Popen([self.folder / "run", *command], env=self.environment, **options)
 
-    def run(self, *command: str, **options) -> subprocess.CompletedProcess:
-        process = self.start(*command, **options)
-        out, err = process.communicate(timeout=60)
+    def run(self, *command, input=None, **options):
+        process = self.start(*command, stdin=subprocess.PIPE, **options)
+        out, err = process.communicate(input, timeout=60)
         return subprocess.CompletedProcess(command, process.returncode, out, err)
 
-    def venvs_made(self) -> list[str]:
+    def venvs_made(self):
         return (self.fakes / "venvs").read_text().splitlines()
 
 
@@ -74,19 +72,18 @@ def clone(tmp_path):
     return Clone(tmp_path / "clone", tmp_path)
 
 
-def one_line_of_failure(done: subprocess.CompletedProcess) -> str:
-    (line,) = done.stderr.splitlines()
-    assert done.returncode == 1 and done.stdout == ""
-    return line
+def assert_in_cache(done, tmp_path):
+    """A venv that cannot lie in the clone lies in the user's cache, and that is said."""
+    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
+    assert done.stdout.strip() in done.stderr
 
 
-def test_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path):
+def test_run_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path):
     elsewhere, link = tmp_path / "some where", tmp_path / "link"
     elsewhere.mkdir()
     link.symlink_to(clone.folder / "run")
     clone.fault("cat; echo noise")  # of the install, which has neither input nor output
-    process = clone.start("cat", stdin=subprocess.PIPE)
-    assert process.communicate("line\n", timeout=60)[0] == "line\n"
+    assert clone.run("cat", input="line\n").stdout == "line\n"
     words = ["a  b", "", "*", "$HOME", "--flag='x'"]
     script = "import os, sys; print(os.getcwd(), sys.argv[1:]); sys.exit(7)"
     done = clone.run("python", "-c", script, *words, cwd=elsewhere)
@@ -99,45 +96,41 @@ def test_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_path
 
 def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
     clone.run("true")
-    other = tmp_path / "other"
-    shutil.copytree(clone.folder, other, ignore=shutil.ignore_patterns(".venv"))
-    (other / ".venv").symlink_to(clone.folder / ".venv")
-    assert subprocess.run([other / "run", "true"], env=clone.environment).returncode == 0
-    (other / LOCK).write_text("# another\n")
-    done = subprocess.run([other / "run", "true"], env=clone.environment, capture_output=True)
-    assert done.returncode == 1 and b"is a link" in done.stderr
+    venv, clone.folder = clone.folder / ".venv", tmp_path / "other"
+    shutil.copytree(venv.parent, clone.folder, ignore=shutil.ignore_patterns(".venv"))
+    (clone.folder / ".venv").symlink_to(venv)
+    assert clone.run("true").returncode == 0
+    (clone.folder / LOCK).write_text("# another\n")
+    done = clone.run("true")
+    assert done.returncode == 1 and "is a link" in done.stderr
     assert len(clone.venvs_made()) == 1
 
 
-def test_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
-    first, second = clone.run("true"), clone.run("true")
-    venv = str(clone.folder / ".venv")
-    assert len(first.stderr.splitlines()) == 1 and venv in first.stderr
-    assert second.stderr == "" and clone.venvs_made() == [venv]
+def test_run_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
+    (line,) = clone.run("true").stderr.splitlines()
+    assert clone.run("true").stderr == ""
+    venv, moved = str(clone.folder / ".venv"), tmp_path / "moved"
+    assert venv in line and clone.venvs_made() == [venv]
     (clone.folder / LOCK).write_text("# another\n")
     clone.run("true")
-    assert len(clone.venvs_made()) == 2
-    clone.folder = clone.folder.rename(tmp_path / "moved")
+    clone.folder = clone.folder.rename(moved)
     clone.run("true")
-    assert clone.venvs_made()[2:] == [str(tmp_path / "moved" / ".venv")]
+    assert clone.venvs_made() == [venv, venv, str(moved / ".venv")]
 
 
 @pytest.mark.parametrize("name", ["R&D", "it's (1)"])
-def test_no_special_sign_in_the_path_of_the_venv(tmp_path, name):
+def test_no_special_sign_is_in_the_path_of_the_venv(tmp_path, name):
     clone = Clone(tmp_path / name, tmp_path)
-    done = clone.run("printenv", "VIRTUAL_ENV")
-    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
-    assert done.stdout.strip() in done.stderr
+    assert_in_cache(clone.run("printenv", "VIRTUAL_ENV"), tmp_path)
     assert sorted(path.name for path in clone.folder.iterdir()) == ["locks", "run"]
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root can write to every folder")
-def test_read_only_clone_is_left_alone(clone, tmp_path):
+def test_a_read_only_clone_is_left_alone(clone, tmp_path):
     clone.folder.chmod(0o555)
     done = clone.run("printenv", "VIRTUAL_ENV")
     clone.folder.chmod(0o755)
-    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
-    assert done.stdout.strip() in done.stderr
+    assert_in_cache(done, tmp_path)
 
 
 DISTURBED = """printf '#!/bin/sh\necho 1 >"%s/installs"\n' "$4" >"$4/bin/uv" """
@@ -166,42 +159,43 @@ def test_a_killed_install_is_begun_again(clone):
 
 def test_a_fault_is_one_line(clone):
     too_old = "import sys; sys.version_info = (3, 10, 9); exec(sys.argv.pop(1))"
-    old = f"#!/bin/sh\nshift\nexec '{sys.executable}' -c '{too_old}' \"$@\"\n"
-    no_venv = 'case "$2" in *ensurepip*) exit 1 ;; esac'
-    no_venv = f"#!/bin/sh\n{no_venv}\nexec '{sys.executable}' \"$@\"\n"
-    assert "no command given" in one_line_of_failure(clone.run())
-    for python, word in {old: "3.11, 3.12 or 3.13", no_venv: "apt install python3-venv"}.items():
-        clone.fake_python(python)
-        assert word in one_line_of_failure(clone.run("true"))
+    old = f"shift\nexec '{sys.executable}' -c '{too_old}' \"$@\""
+    no_venv = f'case "$2" in *ensurepip*) exit 1 ;; esac\nexec \'{sys.executable}\' "$@"'
+    runs = {"no command given": clone.run()}
+    for python, words in ((old, "3.11, 3.12 or 3.13"), (no_venv, "apt install python3-venv")):
+        clone.fake_python(f"#!/bin/sh\n{python}\n")
+        runs[words] = clone.run("true")
+    for words, done in runs.items():
+        (line,) = done.stderr.splitlines()
+        assert (done.returncode, done.stdout) == (1, "") and words in line
 
 
 @pytest.mark.parametrize("lock", sorted(path.name for path in (ROOT / "locks").glob("*.lock")))
-def test_lock_holds_only_exact_versions_and_hashes(lock):
-    text = (ROOT / "locks" / lock).read_text()
-    for line in text.replace("\\\n", " ").splitlines():
+def test_each_lock_holds_only_exact_versions_and_hashes(lock):
+    text = (ROOT / "locks" / lock).read_text().replace("\\\n", " ")
+    for line in text.splitlines():
         assert re.fullmatch(r"[a-z0-9-]+==\S+( ; [^:]+?)?\s+(--hash=sha256:[0-9a-f]{64}\s*)+", line)
 
 
-def test_lock_names_every_dependency():
+def test_the_lock_names_every_dependency():
     pyproject = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    project, wanted = pyproject["project"], list(pyproject["dependency-groups"]["test"])
-    for packages in [project["dependencies"], *project["optional-dependencies"].values()]:
-        wanted += [name for name in packages if "snapmap[" not in name]
-    locked = set(re.findall(r"^[a-z0-9-]+(?===)", (ROOT / LOCK).read_text(), re.M))
-    assert {re.match(r"[a-z0-9-]+", name)[0] for name in wanted} <= locked
+    project, test = pyproject["project"], pyproject["dependency-groups"]["test"]
+    wanted = [*project["dependencies"], *sum(project["optional-dependencies"].values(), test)]
+    names = {re.match(r"[a-z0-9-]+", package)[0] for package in wanted}
+    locked = re.findall(r"^[a-z0-9-]+(?===)", (ROOT / LOCK).read_text(), re.M)
+    assert names - {"snapmap"} <= {*locked}
 
 
 @pytest.mark.long
-def test_install_from_nothing(tmp_path):
+def test_run_installs_from_nothing(tmp_path):
     folder, home = tmp_path / "my clone", tmp_path / "home"
-    folder.mkdir()
-    home.mkdir()
-    (folder / "locks").mkdir()
-    for name in ["run", "pyproject.toml", LOCK]:
+    for made in (folder / "locks", home):
+        made.mkdir(parents=True)
+    for name in ("run", "pyproject.toml", LOCK):
         shutil.copy(ROOT / name, folder / name)
     environment = os.environ | {"HOME": str(home), "XDG_CACHE_HOME": ""}
 
-    def run(*command: str) -> str:
+    def run(*command):
         return subprocess.check_output([folder / "run", *command], env=environment, text=True)
 
     assert run("python", "-c", "import numba; print(numba.njit(lambda x: x + 1)(1))") == "2\n"
