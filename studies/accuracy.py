@@ -248,7 +248,8 @@ def gain(points: pd.DataFrame, name: str) -> str:
 def front(points: pd.DataFrame) -> np.ndarray:
     """Errors, ascending, and the highest speed with at most that error, (2, points)."""
     known = points.dropna(subset="median").sort_values("median")
-    return np.array([known["median"], known["simulations/s"].cummax()])
+    errors = known["median"].clip(lower=RESOLVED)  # what is refined no further may agree exactly
+    return np.array([errors, known["simulations/s"].cummax()])
 
 
 def draw(axes: Sequence[Axes], points: pd.DataFrame) -> None:
