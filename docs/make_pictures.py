@@ -75,15 +75,16 @@ def snaps():
         study.device, study.axes["N"], study.axes["f0"], model="auto", until="snap", **asked
     )
     fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
-    found = snapmap.threshold(study.device, fine, **asked)
-    return cells.squeeze("C"), found.squeeze("C")
+    edges = snapmap.threshold(study.device, fine, **asked)
+    return cells.squeeze("C"), edges.squeeze("C")
 
 
 def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
     """Draw the midpoint over time, with an example of a law and without."""
     device = snapmap.load_device(ROOT / "config" / "config.yaml")
-    own = {"name": "reference", "laws": load_laws(str(ROOT / "examples" / "laws" / f"{law}.py"))}
-    for model, colour, words in (("reference", "0.6", "without"), (own, "C5", "with the law")):
+    path = ROOT / "examples" / "laws" / f"{law}.py"
+    lawful = {"name": "reference", "laws": load_laws(str(path))}
+    for model, colour, words in (("reference", "0.6", "without"), (lawful, "C5", "with the law")):
         run = snapmap.simulate(device, N, 1500.0, C, model=model, horizon=0.0)
         ax.plot(run.time, run.w_mid, color=colour, label=words)
     ax.set(title=f"{law.replace('_', ' ')}, N = {N:g}", xlabel="time (µs)", xlim=(0, 667))

@@ -14,17 +14,17 @@ FAR = 1e9
 """Beyond the edges of any axes, as a factor."""
 
 
-def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
+def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> Axes:
     """Draw N_first over the velocity change (m/s) for each line, and what snaps.
 
-    found: thresholds over f0 and the axis `lines`; of many lines some are drawn
+    thresholds: over f0 and the axis `lines`; of many lines some are drawn
     Along dotted lines the duration of the pulse is constant; what lies above each curve, of the
     durations that it has, is shaded: the darker, the more of them snap.
     """
-    found = curves.some_lines(found, "f0", lines)
+    thresholds = curves.some_lines(thresholds, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
     ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
-    drawn = list(curves.each_line(found, lines))
+    drawn = list(curves.each_line(thresholds, lines))
     for place, (curve, colour, marker) in enumerate(drawn):
         curves.draw_curve(ax, curves.velocity_change(curve).values, curve, colour, marker, size=2)
         if np.isfinite(curve.velocity_change):
@@ -36,17 +36,21 @@ def draw_damage_boundary(ax: Axes, found: xr.Dataset, lines: str = "C") -> Axes:
     plane.freeze(ax)
     for curve, *_ in drawn:
         _draw_region(ax, curve)
-    _draw_durations(ax, found.isel({lines: 0}))
+    _draw_durations(ax, thresholds.isel({lines: 0}))
     words = "snaps (darker: of several lines)" if drawn[1:] else "snaps"
-    keys = [*curves.line_keys(found, lines), *style.labelled([ax]), Patch(**SHADE, label=words)]
-    style.legend(ax, keys, title(found, style.COLUMN), 2)
+    keys = [
+        *curves.line_keys(thresholds, lines),
+        *style.labelled([ax]),
+        Patch(**SHADE, label=words),
+    ]
+    style.legend(ax, keys, title(thresholds, style.COLUMN), 2)
     return ax
 
 
-def _draw_region(ax, found):
+def _draw_region(ax, thresholds):
     """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
-    found = found.sortby("f0", ascending=False)
-    N, v = found.N_first.values, curves.velocity_change(found).values
+    thresholds = thresholds.sortby("f0", ascending=False)
+    N, v = thresholds.N_first.values, curves.velocity_change(thresholds).values
     known = np.flatnonzero(np.isfinite(N))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
         if run.size > 1:
@@ -55,12 +59,12 @@ def _draw_region(ax, found):
             ax.fill(*np.concatenate(corners, axis=1), **SHADE)
 
 
-def _draw_durations(ax, found):
+def _draw_durations(ax, thresholds):
     """Draw lines of constant pulse duration, one a decade, named where they leave the axes."""
-    first, last = np.log10(found.f0.values[[0, -1]])
+    first, last = np.log10(thresholds.f0.values[[0, -1]])
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
-        v = found.gravity * found.area.item() / (1e-6 * f0)
+        v = thresholds.gravity * thresholds.area.item() / (1e-6 * f0)
         ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
         note = {"fontsize": 6, "color": "0.4", "textcoords": "offset points"}
         if left < v * high < right:

@@ -21,60 +21,60 @@ ASIDE, WIDEST = 1.01, 1.2
 """Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
 
 
-def draw_calibration(figure: FigureBase, found: xr.Dataset) -> None:
+def draw_calibration(figure: FigureBase, data: xr.Dataset) -> None:
     """Draw shots over the fitted threshold and its band, a panel for each shape and direction."""
-    parts = panels(found)
+    parts = panels(data)
     axes = figure.subplots(1, len(parts), squeeze=False)[0]
     for ax, part in zip(axes, parts, strict=True):
         draw_shots(ax, part)
-    legend(figure, labelled(axes), calibration_text(found), 5)
+    legend(figure, labelled(axes), calibration_text(data), 5)
 
 
-def panels(found: xr.Dataset) -> list[xr.Dataset]:
+def panels(data: xr.Dataset) -> list[xr.Dataset]:
     """The shots of each shape and direction."""
-    pairs = zip(found["shape"].values, found.direction.values, strict=True)
+    pairs = zip(data["shape"].values, data.direction.values, strict=True)
     words = [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
     names = np.array(words)
     return [
-        found.isel(shot=np.flatnonzero(names == name)).assign_attrs(found.attrs | {"panel": name})
+        data.isel(shot=np.flatnonzero(names == name)).assign_attrs(data.attrs | {"panel": name})
         for name in dict.fromkeys(names.tolist())
     ]
 
 
-def draw_shots(ax: Axes, found: xr.Dataset) -> Axes:
+def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw shots of one shape and direction over f0 and N, filled where the device tripped.
 
     The line is the fitted threshold, with its interval at 95 %, and about it the band within which
     95 % of the shots of one level change sides.
     """
-    ax.set_title(literal(found.attrs["panel"]))
-    f0, first = np.unique(found.f0.values, return_index=True)
+    ax.set_title(literal(data.attrs["panel"]))
+    f0, first = np.unique(data.f0.values, return_index=True)
     keys = "threshold", "threshold_low", "threshold_high"
-    middle, low, high = (found[key].values[first] for key in keys)
+    middle, low, high = (data[key].values[first] for key in keys)
     if f0.size == 1:
         f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
-    wide = np.exp(DEVIATIONS * found.spread.sel(bound="estimate").item())
+    wide = np.exp(DEVIATIONS * data.spread.sel(bound="estimate").item())
     study_axis(ax, scale_of("f0", f0))
-    ax.set_xlim(min(f0[0], found.f0.min() / WIDEST), max(f0[-1], found.f0.max() * WIDEST))
-    ends = found.N.values.min() / WIDEST, found.N.values.max() * WIDEST
-    ax.set(yscale="log", ylim=ends, ylabel=axis_label("N", found.attrs))
+    ax.set_xlim(min(f0[0], data.f0.min() / WIDEST), max(f0[-1], data.f0.max() * WIDEST))
+    ends = data.N.values.min() / WIDEST, data.N.values.max() * WIDEST
+    ax.set(yscale="log", ylim=ends, ylabel=axis_label("N", data.attrs))
     tick(ax.yaxis, *ends)
     ax.fill_between(f0, low / wide, high * wide, **SCATTERS)
     ax.fill_between(f0, low, high, **SURE)
     ax.plot(f0, middle, **THRESHOLD)
     for tripped, (label, side) in SIDES.items():
-        shots = found.isel(shot=np.flatnonzero(found.tripped.values == tripped))
+        shots = data.isel(shot=np.flatnonzero(data.tripped.values == tripped))
         look = POINT | {"markersize": 3, "markerfacecolor": TRIPPED[tripped]}
         ax.plot(shots.f0 * ASIDE**side, shots.N, label=label, **look)
     return ax
 
 
-def calibration_text(found: xr.Dataset) -> str:
+def calibration_text(data: xr.Dataset) -> str:
     """The values that were fitted, with their intervals, in words."""
     words = []
-    for name in found.unknown.values:
-        unknown, quantity = found.sel(unknown=name), QUANTITIES[name]
+    for name in data.unknown.values:
+        unknown, quantity = data.sel(unknown=name), QUANTITIES[name]
         middle, low, high = (number(unknown[key].item()) for key in ("estimate", "low", "high"))
         words.append(f"{quantity.words} {middle} {quantity.spelt.figures} ({low} to {high})")
-    spread = number(100 * found.spread.sel(bound="estimate").item(), 2)
+    spread = number(100 * data.spread.sel(bound="estimate").item(), 2)
     return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

@@ -32,9 +32,9 @@ class CellSection(of_device(_changed)):
     )
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, written: Mapping) -> dict[tuple, str]:
         """One of f0 and duration is there."""
-        return one_time(given)
+        return one_time(written)
 
 
 class History(NamedTuple):

@@ -70,9 +70,9 @@ class ShockSection(PulseSection):
     start: word(*STARTS, what="shape in which the beam rests at first", out=f"`{FIRST}`")
 
     @classmethod
-    def beside(cls, given: Mapping) -> dict[tuple, str]:
+    def beside(cls, written: Mapping) -> dict[tuple, str]:
         """Name what is there too much, or lacks."""
-        return super().beside(given) | one_time(given, any(name in given for name in TIMED))
+        return super().beside(written) | one_time(written, any(name in written for name in TIMED))
 
     def make(self) -> None:
         """Nothing by itself; ValueError for what cannot be in any study."""

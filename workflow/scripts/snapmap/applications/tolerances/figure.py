@@ -48,21 +48,21 @@ ROW, FLAT = 2.6, 1.7
 """Height of a row of these panels, in; and of histograms."""
 
 
-def draw_stem(stem: str, found: xr.Dataset, attributes: Mapping[str, str]) -> None:
+def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> None:
     """Draw probability, sensitivity or yield, by how the name of the file begins, and save it."""
     name = Path(stem).name
     if not name.startswith("yield"):
         draw = draw_probability if name.startswith("probability") else draw_sensitivity
-        panels = [found.isel(C=i) for i in evenly(found.C.size, MOST)]
+        panels = [data.isel(C=i) for i in evenly(data.C.size, MOST)]
         _draw_panels(stem, panels, draw, attributes)
         return
-    found = found.isel(C=evenly(found.C.size, DAMPINGS))
+    data = data.isel(C=evenly(data.C.size, DAMPINGS))
     panels = [
-        found.isel(requirement=i, C=j)
-        for i in evenly(found.requirement.size, MOST)
-        for j in evenly(found.C.size, MOST // min(MOST, found.requirement.size))
+        data.isel(requirement=i, C=j)
+        for i in evenly(data.requirement.size, MOST)
+        for j in evenly(data.C.size, MOST // min(MOST, data.requirement.size))
     ]
-    _draw_panels(stem, panels, draw_requirement, attributes, found)
+    _draw_panels(stem, panels, draw_requirement, attributes, data)
 
 
 def _draw_panels(stem, panels, draw, attributes, shares=None):
@@ -87,35 +87,35 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
         style.legend(figure, style.labelled(figure.axes), words)
 
 
-def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
+def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the share of devices that snap over f0 and N, or over N alone if there is one f0.
 
-    found: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
+    data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    ax.set_title(place_text(found))
-    f0, N = scale_of("f0", found.f0.values), scale_of("N", found.N.values)
+    ax.set_title(place_text(data))
+    f0, N = scale_of("f0", data.f0.values), scale_of("N", data.N.values)
     if f0.values.size == 1:
-        shares = found.squeeze("f0")
+        shares = data.squeeze("f0")
         bounds = shares.probability_bound.transpose("bound", "N").values
         ax.fill_between(N.values, *bounds, color="0.8", linewidth=0, label="bounds at 95 %")
         ax.plot(N.values, shares.probability.values, color="black")
-        ax.axvline(found.N_nominal.item(), **NOMINAL)
-        if "latched" in found:
+        ax.axvline(data.N_nominal.item(), **NOMINAL)
+        if "latched" in data:
             look = {"color": LATCHED, "label": "share that stays snapped"}
             ax.plot(N.values, shares.latched.values, **look)
-        ax.set(xlabel=axis_label("N", found.attrs), ylabel="share of devices that snap")
+        ax.set(xlabel=axis_label("N", data.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
     study_axis(ax, f0)
-    set_scale(ax, "y", N, found.attrs)
+    set_scale(ax, "y", N, data.attrs)
     ax.set(xlim=f0.edges[[0, -1]], ylim=N.edges[[0, -1]])  # room for markers
-    ax.pcolormesh(f0.edges, N.edges, found.probability.transpose("N", "f0").values, **FIELD)
+    ax.pcolormesh(f0.edges, N.edges, data.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
-        line = found.N_quantile.sel(quantile=share).values
+        line = data.N_quantile.sel(quantile=share).values
         ax.plot(f0.values, line, color="black", linestyle=dashes, label=SNAP[dashes])
-    ax.plot(f0.values, found.N_nominal.values, **NOMINAL)
-    for share, face in STAYING.items() if "latched" in found else ():
-        stay = (found.latched >= share).transpose("f0", "N").values
+    ax.plot(f0.values, data.N_nominal.values, **NOMINAL)
+    for share, face in STAYING.items() if "latched" in data else ():
+        stay = (data.latched >= share).transpose("f0", "N").values
         above = np.logical_and.accumulate(stay[:, ::-1], axis=1)[:, ::-1]
         line = np.where(above.any(axis=1), N.values[above.argmax(axis=1)], np.nan)
         look = {"color": LATCHED, "markerfacecolor": face, **STAYS}
@@ -123,14 +123,14 @@ def draw_probability(ax: Axes, found: xr.Dataset) -> Axes:
     return ax
 
 
-def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
-    """Draw the Sobol indices of each value over f0, with their bounds; found: of one C."""
-    ax.set_title(place_text(found))
-    f0 = scale_of("f0", found.f0.values)
+def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
+    """Draw the Sobol indices of each value over f0, with their bounds; data: of one C."""
+    ax.set_title(place_text(data))
+    f0 = scale_of("f0", data.f0.values)
     study_axis(ax, f0)
     ax.set_xlim(f0.edges[[0, -1]])
-    for i, value in enumerate(found.value.values.tolist()):
-        index, (colour, marker) = found.sel(value=value), LOOKS[i % len(LOOKS)]
+    for i, value in enumerate(data.value.values.tolist()):
+        index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
         bounds = index.sensitivity_bound.sel(order="total").transpose("bound", "f0").values
         low, high = np.clip(bounds, 0, 1)  # as a share has no other values
@@ -139,7 +139,7 @@ def draw_sensitivity(ax: Axes, found: xr.Dataset) -> Axes:
         ax.errorbar(f0.places, total, markersize=3, label=words_of(value), **bars, **look)
         alone = "hollow: that value alone" if i == 0 else None
         ax.plot(f0.places, first, label=alone, **look, **FIRST)
-    unknown = found.sensitivity.sel(order="total").isnull().all("value").values
+    unknown = data.sensitivity.sel(order="total").isnull().all("value").values
     cross(ax, f0.places[unknown], 0.02, "0.4", "not known: few devices snap")
     ax.set(ylim=(-0.05, 1.05), ylabel="share of the variance of the threshold")
     return ax
@@ -151,62 +151,62 @@ def words_of(value: str) -> str:
     return " and ".join(of_shock.get(key) or WORDS[key][0] for key in value.split("+"))
 
 
-def batch_text(found: xr.Dataset, attributes: Mapping[str, str]) -> str:
+def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
     """How many devices were drawn, and by which model."""
-    missing = int((found.bistable == 0).sum())
+    missing = int((data.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
-    return f"{found.bistable.size} devices{lost}; {style.case(attributes)}"
+    return f"{data.bistable.size} devices{lost}; {style.case(attributes)}"
 
 
-def draw_requirement(ax: Axes, found: xr.Dataset) -> Axes:
+def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the thresholds of the devices under one required pulse, and what meets it.
 
-    found: of one requirement and C; shaded is where it fails
+    data: of one requirement and C; shaded is where it fails
     """
-    N_first, N = found.N_first_required.values, found.N_required.item()
-    must = found.must_snap.item()
+    N_first, N = data.N_first_required.values, data.N_required.item()
+    must = data.must_snap.item()
     known = N_first[np.isfinite(N_first)]
     ends = np.array([*known, N])
     room = ROOM * np.ptp(ends) or ROOM * N
     low, high = max(ends.min() - room, 0), ends.max() + room
-    where = [place_text(found)]
+    where = [place_text(data)]
     if must != SNAPS[ANY]:
-        where.append(f"met by {percents(found.share_meeting)}")
+        where.append(f"met by {percents(data.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
-    ax.set_title(f"{required_text(found.requirement.item(), must)}\n{words}")
-    label = f"threshold $N$ ({style.multiples(found.attrs)})"
+    ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
+    label = f"threshold $N$ ({style.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
     tick(ax.xaxis, low, high, is_log=False)
     return ax
 
 
-def each_share(found: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
+def each_share(data: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
     """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
-    for name in found.requirement.values.tolist():
-        required = found.sel(requirement=name)
+    for name in data.requirement.values.tolist():
+        required = data.sel(requirement=name)
         if required.must_snap != SNAPS[ANY]:
             yield name, required.share_meeting, required.share_meeting_bound
-        if "share_breaking" in found:
+        if "share_breaking" in data:
             bounds = 1 - required.share_breaking_bound.isel(bound=slice(None, None, -1))
             yield f"{name}, unbroken", 1 - required.share_breaking, bounds
-    yield "all together", found["yield"], found.yield_bound
+    yield "all together", data["yield"], data.yield_bound
 
 
-def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
+def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
 
-    found: over requirements and C
+    data: over requirements and C
     """
-    names, shares, bounds = zip(*each_share(found), strict=True)
+    names, shares, bounds = zip(*each_share(data), strict=True)
     shares = np.stack(shares)
     bounds = np.stack([ends.transpose("bound", "C") for ends in bounds], axis=1)
     rows = np.arange(len(names))
-    for i, (line, colour, marker) in enumerate(each_line(found, "C")):
-        y = rows + 0.7 * ((i + 0.5) / found.C.size - 0.5)
+    for i, (line, colour, marker) in enumerate(each_line(data, "C")):
+        y = rows + 0.7 * ((i + 0.5) / data.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": ""}
         ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", line.C.item()), **look)
@@ -216,7 +216,7 @@ def draw_yield(ax: Axes, found: xr.Dataset) -> Axes:
             ax.annotate(words, (1, at), xycoords=ax.get_yaxis_transform(), fontsize=6, **place)
     ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
     label = "share of devices that meet it"
-    if counted := scope(found["yield"]).removeprefix(", "):
+    if counted := scope(data["yield"]).removeprefix(", "):
         label += f"; all together: {counted}"
     room = ROOM * (1 - bounds.min())
     ax.set(xlim=(bounds.min() - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))

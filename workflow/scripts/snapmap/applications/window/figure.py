@@ -27,27 +27,27 @@ MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
 """Level lines of factors by which an N may change, and of shares of devices."""
 
 
-def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
+def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
     """Draw over two axes where all requirements are met: margins, yield and stress, if known.
 
-    found: as from `window.window_of`; units: in which the axes are drawn, if not internal ones
+    data: as from `window.window_of`; units: in which the axes are drawn, if not internal ones
     Lines are where a requirement begins to fail, with ticks on that side. Between points all is
     straight along either axis.
     """
-    found = found.squeeze([key for key in found.reserve.dims[1:] if key not in (x, y)])
-    found = found.transpose("requirement", ..., y, x)
+    data = data.squeeze([key for key in data.reserve.dims[1:] if key not in (x, y)])
+    data = data.transpose("requirement", ..., y, x)
     sizes = {key: size for key, (_, size) in units.items()}
-    found = found.assign_coords({key: found[key].values / sizes[key] for key in sizes})
-    reserve = reserves_between(found.reserve.values)
+    data = data.assign_coords({key: data[key].values / sizes[key] for key in sizes})
+    reserve = reserves_between(data.reserve.values)
     least = least_reserve(reserve)
     fields = {"smallest safety factor on $N$": (least, MARGINS)}
-    if "yield" in found:
-        fields["share of devices that meet all"] = between(found["yield"].values), SHARES
-    if "stress_max" in found:
-        fields["largest stress (MPa)"] = found.stress_max.max("requirement"), ()
+    if "yield" in data:
+        fields["share of devices that meet all"] = between(data["yield"].values), SHARES
+    if "stress_max" in data:
+        fields["largest stress (MPa)"] = data.stress_max.max("requirement"), ()
     axes = figure.subplots(1, len(fields), squeeze=False, sharey=True)[0]
     for ax, (title, (field, levels)) in zip(axes, fields.items(), strict=True):
-        across = _open_window(ax, found, x, y, units)
+        across = _open_window(ax, data, x, y, units)
         ax.set_title(title)
         ax.label_outer()
         grid = [between(scale.places, 1) for scale in across]
@@ -62,12 +62,12 @@ def draw_window(figure: FigureBase, found: xr.Dataset, x: str, y: str, units: Un
                 edge.set(path_effects=BEGINS_TO_FAIL)
     places = np.meshgrid(*(scale.places for scale in across))
     points = axes[0].plot(*map(np.ravel, places), **POINTS)
-    style.legend(figure, [*_window_keys(found, reserve, least), *points], _about(found, reserve), 3)
+    style.legend(figure, [*_window_keys(data, reserve, least), *points], _about(data, reserve), 3)
 
 
-def _open_window(ax, found, x, y, units):
+def _open_window(ax, data, x, y, units):
     """Open a plane as `plane.open_plane` does, in other units, up to the outermost points."""
-    across = plane.open_plane(ax, found, x, y)
+    across = plane.open_plane(ax, data, x, y)
     for which, scale in zip("xy", across, strict=True):
         unit, _ = units.get(scale.key, ("", 1.0))
         ends = scale.places[[0, -1]]
@@ -82,10 +82,9 @@ def _fill_window(ax, grid, reserve, least):
     if np.isnan(least).any():
         ax.patch.set(**plane.ABSENT)
     ax.contourf(*grid, least, [0, FAR], colors=[MEETING["color"]])
-    for one in reserve:  # each by itself, as the least of two is cut off where they cross
-        ax.contourf(
-            *grid, np.where(np.isnan(least), np.nan, one), [0, 1], colors=[FAILING["color"]]
-        )
+    for field in reserve:  # each by itself, as the least of two is cut off where they cross
+        failing = np.where(np.isnan(least), np.nan, field)
+        ax.contourf(*grid, failing, [0, 1], colors=[FAILING["color"]])
 
 
 def _level_lines(ax, grid, field, levels, **look):
@@ -100,11 +99,11 @@ def _ends(field):
     return np.nanmin(field, initial=np.inf), np.nanmax(field, initial=-np.inf)
 
 
-def _window_keys(found, reserve, least):
+def _window_keys(data, reserve, least):
     """Keys of what a window shows: of requirements that begin to fail in it, and of colours."""
     known = least[np.isfinite(least)]
     looks = cycle(LOOKS)
-    for field, must, (colour, _) in zip(reserve, found.must_snap, looks, strict=False):
+    for field, must, (colour, _) in zip(reserve, data.must_snap, looks, strict=False):
         low, high = _ends(field)
         if low < 1 < high:
             label = required_text(must.requirement.item(), must.item())
@@ -117,19 +116,19 @@ def _window_keys(found, reserve, least):
         yield Patch(facecolor="white", **plane.ABSENT, label="no device, or not known")
 
 
-def _about(found, reserve):
+def _about(data, reserve):
     """What a window holds for, which requirements never end it, and how sure it is."""
-    bar, off = (found.N_error / found.N_first).max(), found.reserve.attrs["off_between_points"]
+    bar, off = (data.N_error / data.N_first).max(), data.reserve.attrs["off_between_points"]
     sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
-    if "yield" in found:
-        sure += f", shares within {percents(abs(found.yield_bound - found['yield']).max())}"
-    words = [place_text(found)]
-    if "temperatures" in found.attrs:
-        low, *_, high = np.sort(found.attrs["temperatures"])
+    if "yield" in data:
+        sure += f", shares within {percents(abs(data.yield_bound - data['yield']).max())}"
+    words = [place_text(data)]
+    if "temperatures" in data.attrs:
+        low, *_, high = np.sort(data.attrs["temperatures"])
         words.append(f"at each temperature from {number(low)} to {number(high)} °C")
     everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
     for word, which in everywhere.items():
-        if names := ", ".join(found.requirement.values[which]):
+        if names := ", ".join(data.requirement.values[which]):
             words.append(style.literal(f"{word} everywhere: {names}"))
     words.append(f"ticks: where a requirement fails; {sure}")
     return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)
