@@ -1,7 +1,7 @@
-"""What kernels share: fused multiply-adds, a sine, the width of vectors; and how they are compiled.
+"""What all kernels share: a fused multiply-add, a sine, wide vectors, and how they are compiled.
 
-All give the same bits on every machine. A kernel is kept on disk, in a folder named by a hash of
-its sources, so that an edit never meets an older kernel; and numba's files there are sealed.
+Kernels give the same bits on every machine. They are kept on disk, in a folder named by a hash of
+their sources, so that an edited kernel never meets an older one; each file there ends with a hash.
 """
 
 import fcntl
@@ -22,12 +22,12 @@ from numba.misc.appdirs import AppDirs
 from . import portable
 
 VECTOR_BITS = 512
-"""Widest vectors to use where the processor has them."""
+"""Width of the vectors that kernels use if the processor has them."""
 
 
 @intrinsic
 def fma(context, a, b, c):
-    """a b + c in one rounding."""
+    """Return a b + c, rounded once."""
 
     def build(_, builder, __, arguments):
         return builder.fma(*arguments)
@@ -37,11 +37,11 @@ def fma(context, a, b, c):
 
 @intrinsic
 def widen_vectors(context):
-    """Compile the function that calls this with vectors of VECTOR_BITS, and by itself.
+    """Compile the function that calls this with vectors of VECTOR_BITS, and never into its callers.
 
     LLVM stops at 256 bits on some processors that have 512, and the kernel then takes up to twice
-    the time. numba's own settings would reach the functions of whoever imports this, too. A loop
-    over lanes may lose its vectors where LLVM puts it into its caller.
+    the time. numba's own setting would also change the functions of whoever imports snapmap. A loop
+    over lanes may lose its vectors if LLVM moves it into a caller.
     """
 
     def build(context, builder, _, __):
@@ -58,26 +58,26 @@ _sine_of_rest = njit(error_model="numpy", inline="always")(portable.sine_of_rest
 
 @njit(error_model="numpy", inline="always")
 def sine(turns):
-    """As `portable.sine`, in a form of which the compiler makes vectors."""
+    """Return sin(2 pi turns), as `portable.sine` does, in a form that the compiler vectorises."""
     return _sine_of_rest(turns - np.rint(turns))
 
 
 INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
-"""Options of what is compiled into its callers alone."""
+"""Options of a function that is compiled into its callers only."""
 
 
 def compiled(function: Callable) -> Callable:
-    """Compile a function for the types that it is called with, and keep that on disk.
+    """Compile a function for each type of its arguments, and keep the kernels on disk.
 
-    No fast maths: NaN stays visible, and a result does not depend on how a call was compiled. What
-    speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
-    lanes. numba reads where to keep it here, and no other package's functions are moved.
+    Fast maths is off: NaN stays visible, and a result does not depend on how a call was compiled.
+    What speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
+    lanes. numba reads its cache folder here alone, so other packages keep theirs.
     """
     chosen_by_user = config.CACHE_DIR
     cache_folder = chosen_by_user or AppDirs("snapmap", False).user_cache_dir
     sources = _hash(Path(function.__code__.co_filename).parent)
     config.CACHE_DIR = str(Path(cache_folder, f"kernels_{sources}"))
-    # numba hands the options of an inlined caller down unless they are said.
+    # Unless these are named, numba hands down those of an inlined caller.
     options = dict.fromkeys(INLINED, False)
     try:
         return njit(nogil=True, cache=True, error_model="numpy", **options)(function)
@@ -86,33 +86,33 @@ def compiled(function: Callable) -> Callable:
 
 
 def inlined(function: Callable) -> Callable:
-    """Compile a function into each of its callers, without which nothing is vectorised.
+    """Compile a function into each of its callers; only so its loops over lanes are vectorised.
 
-    Python itself cannot call it: what that takes would be half of its time to compile.
+    Python cannot call it: the wrapper for that would take half of the time to compile.
     """
     return njit(error_model="numpy", **dict.fromkeys(INLINED, True))(function)
 
 
 @cache
 def _hash(folder):
-    """Hash what the kernels of a folder are compiled from: its modules, and those of this folder.
+    """Hash the modules of a folder and of this one, from which the folder's kernels are compiled.
 
-    numba by itself sees an edit in the file of the function, and none in a file of what it calls.
+    numba itself notices an edit in the file of a kernel, but none in the files that it calls.
     """
     paths = sorted({*folder.glob("*.py"), *Path(__file__).parent.glob("*.py")})
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
 
 
 SEAL = b"SHA-256 of all bytes before: "
-"""With its 32 bytes it ends a file of numba's cache: LLVM ends the process over a damaged one."""
+"""This and 32 bytes of hash end each file of numba's cache: a damaged file makes LLVM abort."""
 _CacheFile = caching.IndexDataCacheFile
 _numba_save, _numba_load = _CacheFile.save, _CacheFile.load
 _numba_open = _CacheFile._open_for_write
 _numba_load_index, _numba_load_data = _CacheFile._load_index, _CacheFile._load_data
 PATIENCE = 300
-"""Seconds; no kernel takes longer to compile."""
+"""Seconds to wait for another process that compiles a kernel; none takes longer."""
 _claims = {}
-"""Open files by the kernels that this process compiles, locked until they are saved."""
+"""Locked files by the kernels that this process compiles; each is open until its kernel is kept."""
 
 
 @contextmanager
@@ -124,15 +124,15 @@ def _open_sealed(file, path):
 
 
 def _load_index(file):
-    """Read which kernels are kept; none where that is damaged."""
-    with suppress(Exception):  # a damaged pickle may raise any
+    """Read the index of the kernels on disk; a damaged one counts as empty."""
+    with suppress(Exception):  # a damaged pickle may raise anything
         _require_whole(file._index_path)
         return _numba_load_index(file)
     return {}
 
 
 def _load_data(file, name):
-    """Read a kernel; raises OSError for one that is damaged: numba then compiles it anew."""
+    """Read a kernel; raises OSError if it is damaged, and numba then compiles it anew."""
     try:
         _require_whole(file._data_path(name))
         return _numba_load_data(file, name)
@@ -147,7 +147,7 @@ def _require_whole(path):
 
 
 def _locked(path):
-    """Open a file that no other process has locked, or has for longer than PATIENCE."""
+    """Open a file and lock it; after PATIENCE, or on a file system without locks, only open it."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     file = open(path, "w")  # noqa: SIM115
     for _ in range(10 * PATIENCE):
@@ -163,7 +163,7 @@ def _locked(path):
 
 
 def _load_or_claim(file, key):
-    """Load a kernel; one that another process compiles is waited for, else this one will do it."""
+    """Load a kernel, perhaps after another process has compiled it; else claim it for this one."""
     kernel, claim = _numba_load(file, key), (file._index_path, key)
     if kernel is None and claim not in _claims:
         name = hashlib.sha256(repr(key).encode()).hexdigest()[:12]
@@ -181,28 +181,28 @@ def _release(claim):
 
 
 def _save_alone(file, key, data):
-    """Add a kernel to numba's cache, if there is room, while no other process does.
+    """Add a kernel to numba's cache, if the disk has room, while no other process adds one.
 
-    Else both number their kernels alike, and a process calls one in the place of the other.
+    Two processes at once would give two kernels the same number, and one would be called as both.
     """
     with suppress(OSError), _locked(f"{file._index_path}.lock"):
         _numba_save(file, key, data)
     _release((file._index_path, key))
 
 
-# numba offers no other way in.
+# numba has no public hook for these.
 _CacheFile.load, _CacheFile.save = _load_or_claim, _save_alone
 _CacheFile._open_for_write = _open_sealed
 _CacheFile._load_index, _CacheFile._load_data = _load_index, _load_data
 
 
 class Reporter(event.Listener):
-    """Reports once that a kernel of some size is compiled: a user would else wait in silence."""
+    """Warns, once for each number of modes, that a kernel is compiled and the user has to wait."""
 
     depth, reported = 0, frozenset()
 
     def on_start(self, event: event.Event) -> None:
-        """Count a compilation; those within another are a part of it."""
+        """Enter a compilation; warn if it is not part of another."""
         self.depth += 1
         sizes = {type_.count for type_ in event.data["args"] if isinstance(type_, types.UniTuple)}
         if self.depth == 1:
@@ -212,7 +212,7 @@ class Reporter(event.Listener):
             self.reported |= sizes
 
     def on_end(self, event: event.Event) -> None:
-        """Count the end of a compilation."""
+        """Leave a compilation."""
         self.depth -= 1
 
 

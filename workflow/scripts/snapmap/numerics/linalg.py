@@ -1,8 +1,8 @@
-"""Small dense matrices by single operations of numpy: the same bits on every machine.
+"""Linear algebra of small dense matrices that gives the same bits on every machine.
 
-LAPACK and BLAS choose by the processor in which order they sum, and in a chaotic cell the last bit
-of a mode shape decides; so whatever feeds a run is computed here. Leading axes, (...), count
-matrices, and no result depends on what else is in the same call.
+LAPACK and BLAS choose the order of their sums by the processor, and in a chaotic cell the last bit
+of a mode shape decides; so all that feeds a run is computed here, by single operations of numpy.
+Leading axes, (...), count matrices; no result depends on the other matrices of a call.
 """
 
 from functools import cache
@@ -10,43 +10,43 @@ from functools import cache
 import numpy as np
 
 SWEEPS = 60
-"""More rounds than Jacobi's rotations ever need: they converge quadratically."""
+"""Upper bound of the sweeps of Jacobi's rotations, which converge quadratically."""
 NEGLIGIBLE = 1e-17
-"""An element off the diagonal, over the root of both on it, that is not rotated away."""
+"""Share of sqrt(|a_pp a_qq|) up to which an off-diagonal element a_pq counts as zero."""
 BLOCK = 512
-"""Matrices at work at a time, as many as fit in the cache."""
+"""Number of matrices that are worked on at a time, as they fit in the cache."""
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a b, (..., n, m), of a, (..., n, k), and b, (..., k, m), each sum from first to last."""
+    """Multiply a, (..., n, k), by b, (..., k, m), with sums from first to last: (..., n, m)."""
     return sum(a[..., :, k, np.newaxis] * b[..., k, np.newaxis, :] for k in range(a.shape[-1]))
 
 
 def apply(a: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """a x, (..., n), of a, (..., n, k), and x, (..., k)."""
+    """Multiply matrices a, (..., n, k), by vectors x, (..., k): (..., n)."""
     return sum(a[..., :, k] * x[..., k, np.newaxis] for k in range(a.shape[-1]))
 
 
 def dot(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """x . y, (...), of vectors, (..., k)."""
+    """Return the scalar products, (...), of vectors x and y, (..., k)."""
     return sum(x[..., k] * y[..., k] for k in range(x.shape[-1]))
 
 
 def outer(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """x y^T, (..., n, m), of vectors, (..., n) and (..., m)."""
+    """Return x y^T, (..., n, m), of vectors x, (..., n), and y, (..., m)."""
     return x[..., :, np.newaxis] * y[..., np.newaxis, :]
 
 
 def solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """x of a x = b, (..., n), for a, (..., n, n), and b, (..., n); Gauss with partial pivoting.
+    """Solve a x = b for x, (..., n), by Gauss's elimination with partial pivoting.
 
-    Not finite where a is singular.
+    a: (..., n, n), x is not finite where it is singular; b: (..., n)
     """
     return solve_all(a, b[..., np.newaxis])[..., 0]
 
 
 def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """x of a x = b for several right-hand sides, the columns of b, (..., n, m)."""
+    """Solve a x = b for x, (..., n, m), with several right-hand sides, the columns of b."""
     n, m = b.shape[-2:]
     leading = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
     sides = [np.broadcast_to(side, (*leading, *side.shape[-2:])) for side in (a, b)]
@@ -58,17 +58,17 @@ def solve_all(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _blocks(matrices):
-    """Slices along the last axis, of as many matrices as are at work at a time."""
+    """Slice the last axis into blocks of BLOCK matrices."""
     return (slice(i, i + BLOCK) for i in range(0, matrices.shape[-1], BLOCK))
 
 
 def _matrices_last(a):
-    """Put the axes that count matrices into one, the last: numpy's loops run along it."""
+    """Join the axes that count matrices to a last one, along which numpy's loops run."""
     return np.moveaxis(a.reshape(-1, *a.shape[-2:]), 0, -1)
 
 
 def _eliminate(rows, n):
-    """Solutions, (n, m, matrices), of equations, (n, n + m, matrices), which are overwritten."""
+    """Solve equations, (n, n + m, matrices), in place; returns solutions, (n, m, matrices)."""
     matrix = np.arange(rows.shape[-1])
     for k in range(n):
         pivot = k + np.abs(rows[k:, k]).argmax(axis=0)
@@ -85,10 +85,10 @@ def _eliminate(rows, n):
 
 
 def eigh(a: np.ndarray, mass: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues x, ascending, (..., n), and eigenvectors v, the columns, of a v = x mass v.
+    """Solve a v = x mass v: eigenvalues x, (..., n), ascending, and eigenvectors v, the columns.
 
-    a: (..., n, n), symmetric; mass: likewise, positive definite, the identity if left out
-    v.mass v = 1, and each vector's largest component is positive.
+    a: (..., n, n), symmetric; mass: (..., n, n), positive definite, None for the identity
+    Each v has v.mass v = 1, and its largest component is positive.
     """
     if mass is None:
         values, vectors = _rotate(a)
@@ -105,7 +105,7 @@ def eigh(a: np.ndarray, mass: np.ndarray | None = None) -> tuple[np.ndarray, np.
 
 
 def _cholesky(a):
-    """L, lower triangular, of L L^T = a; not finite if a is not positive definite."""
+    """Return the lower triangular L of L L^T = a; not finite if a is not positive definite."""
     lower, rest = np.zeros(a.shape), np.array(a, float)
     for k in range(a.shape[-1]):
         column = rest[..., k:, k] / np.sqrt(rest[..., k, k, np.newaxis])
@@ -115,12 +115,12 @@ def _cholesky(a):
 
 
 def eigenvalues(a: np.ndarray) -> np.ndarray:
-    """Eigenvalues of symmetric matrices, (..., n, n), ascending, (..., n)."""
+    """Return the eigenvalues, (..., n), ascending, of symmetric matrices, (..., n, n)."""
     return np.sort(_rotate(a, keep_vectors=False)[0], axis=-1)
 
 
 def _rotate(a, keep_vectors=True):
-    """Eigenvalues and eigenvectors, the columns, by Jacobi's rotations (Golub & Van Loan, 8.5)."""
+    """Diagonalise symmetric matrices by Jacobi's rotations (Golub & Van Loan, 8.5)."""
     *leading, n, _ = a.shape
     matrices = _matrices_last(np.asarray(a))
     values, vectors = np.empty((n, matrices.shape[-1])), np.empty(matrices.shape)
@@ -138,9 +138,9 @@ def _rotate(a, keep_vectors=True):
 
 @cache
 def _rounds(n):
-    """All pairs p < q of n, in rounds in which each comes at most once, as index arrays.
+    """List all pairs p < q of n indices in rounds, (2, pairs), which use each index at most once.
 
-    By the round robin of a tournament: all but the first player move on a seat a round.
+    As in a tournament's round robin, all but the first player move on by a seat each round.
     """
     players, rounds = list(range(n + n % 2)), []
     for _ in range(len(players) - 1):
@@ -152,7 +152,7 @@ def _rounds(n):
 
 
 def _rotate_pairs(a, turned, p, q):
-    """Make all a_pq of a round zero, in place; returns whether any of them was not.
+    """Rotate the a_pq of a round to zero, in place; returns whether any was above NEGLIGIBLE.
 
     a: (n, n, matrices); turned: arrays whose rows p and q are rotated: a, its transpose, vectors
     """

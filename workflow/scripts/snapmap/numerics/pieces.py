@@ -1,11 +1,12 @@
-"""A curve in pieces, over x from 0 to 1, as kernels evaluate it; zero before and beyond.
+"""A curve made of pieces over x from 0 to 1, as kernels evaluate it; it is zero outside.
 
-A piece is a row BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING: with s = x - BEGIN and p = 2 pi TURNS s,
+A piece is a row BEGIN, VALUE, SLOPE, TURNS, LIFT, SWING. With s = x - BEGIN and p = 2 pi TURNS s
+its value is
 
     VALUE + SLOPE s + LIFT (1 - cos p) + SWING sin p
 
-It is straight or it turns: SLOPE or TURNS is 0. Pieces join without a jump; only at its two ends a
-curve may jump.
+A piece is a line, with TURNS = 0, or a wave, with SLOPE = 0. A curve is continuous but for jumps at
+its two ends.
 """
 
 from numba import njit
@@ -18,14 +19,14 @@ COLUMNS = 6
 
 @njit(inline="always")
 def form(start, slope, turns, lift, swing, s):
-    """Evaluate a piece at s beyond its begin."""
+    """Evaluate a piece at the distance s from its begin."""
     lifted, swung = 2 * sine(turns * s / 2) ** 2, sine(turns * s)
     return start + slope * s + lift * lifted + swing * swung
 
 
 @njit(inline="always")
 def increment(slope, turns, lift, swing, s, step):
-    """Give the piece at s less the piece at s - step, without cancellation."""
+    """Return the piece at s minus the piece at s - step, without cancellation."""
     half = turns * step / 2
     twice, middle = 2 * sine(half), turns * s - half
     return slope * step + lift * (twice * sine(middle)) + swing * (twice * sine(middle + 0.25))
@@ -36,14 +37,14 @@ def value(pieces, k, x):
     """Evaluate piece k at x."""
     start, slope, turns = pieces[k, VALUE], pieces[k, SLOPE], pieces[k, TURNS]
     s = x - pieces[k, BEGIN]
-    if turns == 0.0:  # a record joins in every block, and the sines would take most of the time
+    if turns == 0.0:  # a record is lines only, and the sines would take most of the time
         return start + slope * s
     return form(start, slope, turns, pieces[k, LIFT], pieces[k, SWING], s)
 
 
 @compiled
 def at(pieces, k, end, x):
-    """Find the number of the piece that x is in, from k up to before `end`; k begins before x."""
+    """Find the piece that holds x, from number k, which begins before x, up to before `end`."""
     while k + 1 < end and pieces[k + 1, BEGIN] <= x:
         k += 1
     return k
@@ -51,11 +52,11 @@ def at(pieces, k, end, x):
 
 @compiled
 def sample(pieces, k, jumps, x, step):
-    """Sample the curve at x, in piece k, in steps whose sum is exact where it jumps at its ends.
+    """Sample the curve at x, in piece k, such that a sum over steps is exact at the jumps.
 
-    There a sample is the curve's mean over the step about it.
+    At a jump the sample is the curve's mean over the step around x.
 
-    jumps: what the curve begins and ends with
+    jumps: values at the begin and the end of the curve
     """
     begin, end = jumps
     beyond = (x - 1) / step + 0.5
@@ -69,6 +70,6 @@ def sample(pieces, k, jumps, x, step):
 
 @compiled
 def lasts(end, step):
-    """Count the steps, the one at 0 among them, until a curve that ends with `end` is over."""
+    """Count the samples from x = 0 until the curve is over; end: its value at x = 1."""
     last = 1 / step
     return int(last + 0.5) + 1 if end != 0 else int(-(-last // 1))

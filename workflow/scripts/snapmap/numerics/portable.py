@@ -1,4 +1,4 @@
-"""Sine, evenly spaced values: the same on every machine, whatever its libraries."""
+"""A sine and spaced values that are the same on every machine, whatever its libraries."""
 
 from decimal import Context, Decimal
 from math import copysign, factorial, pi
@@ -6,17 +6,17 @@ from math import copysign, factorial, pi
 import numpy as np
 
 SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
-"""Coefficients of the sine, highest power first; up to a right angle the next is below 1e-20."""
+"""Taylor coefficients of sin, highest power first; the next term is below 1e-20 up to pi/2."""
 _EXACT = Context(prec=40, traps=[])
 
 
 def sine(turns: float) -> float:
-    """sin(2 pi turns) within two units in the last place."""
+    """Return sin(2 pi turns), within two units in the last place."""
     return sine_of_rest(turns - round(turns))
 
 
 def sine_of_rest(rest: float) -> float:
-    """sin(2 pi rest), rest from -1/2 to 1/2."""
+    """Return sin(2 pi rest), for rest from -1/2 to 1/2."""
     if abs(rest) > 0.25:
         rest = copysign(0.5, rest) - rest
     angle = 2 * pi * rest
@@ -28,12 +28,12 @@ def sine_of_rest(rest: float) -> float:
 
 
 def linear(start: float, stop: float, points: int) -> np.ndarray:
-    """Values from start to stop, both ends counted, with equal differences, (points,)."""
+    """Space values, (points,), by equal differences from start to stop, both included."""
     return _rounded(np.linspace(start, stop, points).tolist())
 
 
 def geometric(start: float, stop: float, points: int) -> np.ndarray:
-    """Values above 0 from start to stop, both ends counted, with equal ratios, (points,)."""
+    """Space values above 0, (points,), by equal ratios from start to stop, both included."""
     if points == 1:
         return np.array([start])
     value, ratio = Decimal(start), _EXACT.divide(Decimal(stop), Decimal(start))
@@ -43,10 +43,10 @@ def geometric(start: float, stop: float, points: int) -> np.ndarray:
 
 
 def evenly(size: int, most: int) -> list[int]:
-    """Indices of at most so many of `size` values, evenly chosen, the first and last among them."""
+    """Choose at most `most` indices of `size` values, evenly, with the first and the last."""
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(int)).tolist()
 
 
 def _rounded(values):
-    """Round to 14 digits: so the values that a finer range shares with a coarser are the same."""
+    """Round to 14 digits, so that the values shared by a coarse and a fine range are equal."""
     return np.array([float(f"{value:.14g}") for value in values])

@@ -1,21 +1,21 @@
-"""Shares with their bounds, in numbers and in words; the same everywhere."""
+"""Shares and their confidence bounds, as numbers and as text."""
 
 import numpy as np
 
 DEVIATIONS = 1.959963984540054
-"""Standard deviations about the mean within which 95 % of a normal distribution lie."""
+"""Half the width of the interval that holds 95 % of a normal distribution, over its deviation."""
 
 
 def percents(*shares: float) -> str:
-    """A share in per cent, or from the lowest of some to the highest: once if both read alike."""
+    """Write shares in per cent, from the lowest to the highest, or once if both read alike."""
     ends = dict.fromkeys(f"{100 * float(end):.1f}" for end in (min(shares), max(shares)))
     return f"{' to '.join(ends)} %"
 
 
 def scope(share) -> str:
-    """Say at which temperatures a yield counts, and what it leaves out, by its attributes.
+    """Write at which temperatures a yield holds and what it leaves out, from its attributes.
 
-    share: a DataArray of yields, as in the dataset of tolerances
+    share: DataArray of yields, as in the dataset of tolerances
     """
     words = {"temperatures": "at", "leaves_out": "without"}
     return "".join(
@@ -24,7 +24,10 @@ def scope(share) -> str:
 
 
 def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds at 95 % of the share that `count` of so many samples stand for (Wilson, 1927)."""
+    """Bound a share at 95 % confidence (Wilson, 1927), if `count` of the samples are in it.
+
+    Returns the lower and the upper bounds, in the shape of count.
+    """
     z2 = DEVIATIONS * DEVIATIONS
     share = np.asarray(count) / samples
     middle = (share + z2 / (2 * samples)) / (1 + z2 / samples)
