@@ -1,4 +1,4 @@
-"""What is shaken: quantities with their units, a beam, its shape as made, and mass and spring."""
+"""The device that is shaken: quantities and units, the beam and its shape as made, the mass."""
 
 from .device import Beam, Device, batch
 

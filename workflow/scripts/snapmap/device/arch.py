@@ -1,16 +1,16 @@
-"""Where an arch is at rest: two stable shapes and the pass between them, by one stretch equation.
+"""Equilibria of an arch: two stable shapes and the saddle between them, by one stretch equation.
 
-In buckling modes v_j (kappa v_j = N_j S v_j, v_j.S v_j = 1), with s_j = v_j.S q0 of the shape as
-made, a beam under the axial force N is at rest where each coordinate is s_j N_j / (N_j - N). The
-stretch that this takes must add up to N itself,
+Let v_j be the buckling modes (kappa v_j = N_j S v_j, v_j.S v_j = 1) and s_j = v_j.S q0 the
+coordinates of the shape as made. Under the axial force N the beam is at rest where its coordinates
+are s_j N_j / (N_j - N). The stretch of this shape must produce N itself,
 
     h(N) = N - N0 - axial sum s_j^2 (1 - (N_j / (N_j - N))^2) = 0,
 
-N0 the residual compression and axial = EA/2L. h is convex between the loads. Below N_1 its root is
-the first shape; between N_1 and N_2 the lower root is the second shape, the higher the pass.
-Without any of the second mode in the shape as made, its coordinate is free at N = N_2, the pass if
-there is no root below. A root is sought as its distance d from a load, N = N_p (1 - d), which keeps
-all digits, by Newton's method from the load, where h > 0: it never oversteps.
+with the residual compression N0 and axial = EA/2L. h is convex between the loads N_j. Its root
+below N_1 is the first shape; of the roots between N_1 and N_2 the lower is the second shape and the
+higher the saddle. If s_2 = 0, the second coordinate is free at N = N_2, which is the saddle if
+there is no root below. To keep all digits the unknown is the distance d from a load, N = N_p (1 -
+d); Newton's method starts close to that load, where h > 0, and never oversteps.
 """
 
 from typing import NamedTuple
@@ -20,17 +20,17 @@ import numpy as np
 from ..numerics.linalg import dot
 
 NEWTON_STEPS, BISECTIONS = 200, 60
-"""Most steps of Newton's method to a root, and steps of bisection to the lowest point of h."""
+"""Most steps of Newton's method to a root; steps of bisection to the minimum of h."""
 FAR = 1e6
-"""Second load of a beam of a single mode, over the first: beyond all that it reaches."""
+"""Second load over the first for a beam of a single mode: it never gets there."""
 
 
 class Equilibria(NamedTuple):
-    """Equilibria of arches, by the growth N_j / (N_j - N) of each coordinate, (n, modes).
+    """Equilibria of arches, (n, modes); without a second shape, it and the saddle are NaN.
 
-    first, second: the two stable shapes; NaN where there is no second one
-    saddle: coordinates of the lowest pass out of either, in those of s; NaN likewise
-    N_first, N_second: axial force in the two shapes, (n,)
+    first, second: growth N_j / (N_j - N) of the coordinates s_j in the two stable shapes
+    saddle: coordinates of the lowest saddle between them, in the units of s
+    N_first, N_second: axial force in the two shapes, (n,), in the units of the loads
     """
 
     first: np.ndarray
@@ -43,13 +43,13 @@ class Equilibria(NamedTuple):
 def equilibria(
     loads: np.ndarray, s: np.ndarray, axial: np.ndarray, residual: np.ndarray
 ) -> Equilibria:
-    """Find the equilibria of arches.
+    """Find the equilibria of arches, in any consistent units.
 
-    loads: N_j, ascending, and s: s_j, (n, modes); axial, residual: EA/2L and N0, (n,)
+    loads: N_j, ascending, (n, modes); s: s_j, (n, modes); axial: EA/2L, (n,); residual: N0, (n,)
     """
     modes = loads.shape[1]
     if modes == 1:
-        # A single mode has a pass of its own, wherever a second load would be.
+        # A single mode has its own saddle, wherever a second load would be.
         loads, s = np.append(loads, FAR * loads, axis=1), np.append(s, 0 * s, axis=1)
     arch = loads, s, axial, residual
     apart = loads[:, 1] / loads[:, 0]
@@ -72,7 +72,7 @@ def equilibria(
 
 
 def least_residual(loads: np.ndarray, s: np.ndarray, axial: np.ndarray) -> np.ndarray:
-    """Residual compression N0 above which there is a second shape, (n,): the least of h + N0."""
+    """Return the N0 above which there is a second shape, (n,): the minimum of h + N0."""
     low, high = np.zeros(axial.shape), 1 - loads[:, 0] / loads[:, 1]
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
@@ -82,7 +82,7 @@ def least_residual(loads: np.ndarray, s: np.ndarray, axial: np.ndarray) -> np.nd
 
 
 def _growth(loads, p, d):
-    """N_j / (N_j - N) at N = N_p (1 - d), (n, modes)."""
+    """Return N_j / (N_j - N) at N = N_p (1 - d), (n, modes)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         growth = loads / (loads - (loads[:, p] * (1 - d))[:, np.newaxis])
         growth[:, p] = 1 / d
@@ -90,7 +90,7 @@ def _growth(loads, p, d):
 
 
 def _stretch(loads, s, axial, residual, p, d):
-    """h at N = N_p (1 - d), and its derivative with d; (n,)."""
+    """Return h at N = N_p (1 - d), and its derivative by d, both (n,)."""
     growth, ones = _growth(loads, p, d), np.ones_like(s)
     with np.errstate(invalid="ignore", over="ignore"):
         give = np.where(s == 0, 0.0, s * s * (1 - growth * growth))
@@ -101,9 +101,9 @@ def _stretch(loads, s, axial, residual, p, d):
 
 
 def _root(loads, s, axial, residual, p, side, limit):
-    """The root next to the load p, as its distance from it, (n,); NaN if none is below `limit`.
+    """Find the |d| of the root next to load p, (n,); NaN if there is none below `limit`.
 
-    side: 1 for N < N_p, -1 for N > N_p
+    side: sign of d, 1 for a root N < N_p, -1 for N > N_p
     """
     square = axial * s[:, p] * s[:, p]
     most = abs(residual) + axial * dot(s, s)

@@ -1,7 +1,7 @@
-"""What an argument may be: what would be right, in words, what fits, and what is handed on.
+"""Descriptions of arguments: which values are right, in words and as a check, and their conversion.
 
 An annotation such as `Annotated[float, number("(0, inf)", "s")]` describes an argument where it is
-declared, for the type checker, for help(), and for whoever holds a call against it.
+declared, for the type checker, for help(), and for the code that checks calls.
 """
 
 import math
@@ -18,26 +18,29 @@ from .quantities import Bounds, bounds_of
 
 
 class Argument(NamedTuple):
-    """need: what would be right, as it follows "is not"; fits: whether a value is; convert: what is
-    handed on of one that fits."""
+    """A description of an argument.
+
+    need: what is right, in words that follow "is not"
+    fits: tells whether a value is right; convert: makes of a right value what the function gets
+    """
 
     need: str
     fits: Callable[[object], bool]
     convert: Callable[[object], object] = lambda value: value
 
     def __repr__(self):
-        """As help() shows it in an annotation."""
+        """Return what help() shows in an annotation."""
         return self.need
 
     def take(self, name: str, value: object) -> object:
-        """Convert a value; raises ValueError, one line, for one that does not fit."""
+        """Convert a value; raises ValueError, one line with the name, if it does not fit."""
         if not self.fits(value):
             raise ValueError(f"{name}: {show(value)} is not {self.need}")
         return self.convert(value)
 
 
 def number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
-    """A number within bounds, in a unit."""
+    """Describe a number within bounds, such as "(0, inf)", in a unit."""
     within = bounds_of(within) if isinstance(within, str) else within
 
     def fits(value):
@@ -48,7 +51,7 @@ def number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
 
 
 def row(within: Bounds, unit: str, example: str) -> Argument:
-    """A number or several, each once."""
+    """Describe a number or several different ones, within bounds, in a unit."""
 
     def fits(value):
         array = numbers(value)
@@ -61,7 +64,7 @@ def row(within: Bounds, unit: str, example: str) -> Argument:
 
 
 def as_plain(value):
-    """What is a number, or several, as Python's floats, also in a mapping; all else as it is."""
+    """Convert numbers, also in a mapping, to Python's own; leave any other value as it is."""
     if isinstance(value, Mapping):
         return {key: as_plain(inner) for key, inner in value.items()}
     array = numbers(value)
@@ -74,7 +77,7 @@ def _words(what, within, unit, example):
 
 
 def integer(low: int, high: float = math.inf) -> Argument:
-    """A whole number from low up to high."""
+    """Describe a whole number from low to high."""
     any_number = number(Bounds(low, high, low_fits=True, high_fits=high < math.inf))
     return Argument(
         f"a whole {any_number.need.removeprefix('a ')}",
@@ -84,7 +87,7 @@ def integer(low: int, high: float = math.inf) -> Argument:
 
 
 def pairs(units: str, example: str) -> Argument:
-    """Pairs of numbers above 0, the first of each ascending."""
+    """Describe pairs of numbers above 0 whose first numbers ascend."""
 
     def fits(value):
         rows = numbers(value)
@@ -98,18 +101,18 @@ def pairs(units: str, example: str) -> Argument:
 
 
 def word(*words: str) -> Argument:
-    """One of some words."""
+    """Describe a choice of words."""
     need = f"one of {', '.join(words)}"
     return Argument(need, lambda value: isinstance(value, str) and value in words)
 
 
 def of_type(need: str, *types: type) -> Argument:
-    """A value of some types."""
+    """Describe a value of some types."""
     return Argument(need, lambda value: isinstance(value, types))
 
 
 def mapping_of(need: str, *keys: str) -> Argument:
-    """A mapping of one key or more, each one of some."""
+    """Describe a mapping that is not empty and has some of these keys only."""
 
     def fits(value):
         return isinstance(value, Mapping) and len(value) > 0 and all(key in keys for key in value)
@@ -118,24 +121,24 @@ def mapping_of(need: str, *keys: str) -> Argument:
 
 
 def is_list(value: object, fits: Callable[[object], bool]) -> bool:
-    """Whether it is a list of values that fit."""
+    """Return whether a value is a list whose items all fit."""
     return isinstance(value, list | tuple) and all(map(fits, value))
 
 
 def is_flag(value: object) -> bool:
-    """Whether it is true or false, also as numpy has it."""
+    """Return whether a value is true or false, of Python or numpy."""
     return isinstance(value, bool | np.bool_) or (
         getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
     )
 
 
 def is_path(value: object) -> bool:
-    """Whether it is the path of a file that is there."""
+    """Return whether a value is the path of an existing file."""
     return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
 
 
 def argument_of(annotation: object) -> Argument:
-    """What an annotation says of an argument, which may be None, too."""
+    """Return the description in an annotation, also in that of an optional argument."""
     described, *_ = (
         note
         for part in (annotation, *get_args(annotation))

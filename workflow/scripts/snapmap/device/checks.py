@@ -1,4 +1,4 @@
-"""Checks of a value, or of those of a batch; a complaint names the first that is wrong."""
+"""Checks of a single value or of a batch; an error quotes the first wrong value."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from .quantities import QUANTITIES, Bounds
 
 
 def numbers(value):
-    """The numbers in a value, as an array of floats of its shape; None where there are others."""
+    """Return the numbers in a value as an array of floats; None if it holds anything else."""
     if isinstance(value, str | bytes | bool | Mapping):
         return None
     try:
@@ -20,9 +20,9 @@ def numbers(value):
 
 
 def require_quantity(name: str, value: np.ndarray, within: Bounds | None = None) -> None:
-    """Raise ValueError, with the key of a config, unless values fit the quantity of a name.
+    """Raise ValueError, with the key of a config, unless all values are in the quantity's range.
 
-    within: in place of its own range
+    within: bounds in place of that range
     """
     quantity = QUANTITIES[name]
     within, key = within or quantity.range, f"device.{quantity.key or name}"
@@ -33,7 +33,7 @@ def require_quantity(name: str, value: np.ndarray, within: Bounds | None = None)
 
 
 def require(holds: np.ndarray, complaint: str, *values: np.ndarray) -> None:
-    """Raise ValueError with the first values for which it does not hold."""
+    """Raise ValueError if `holds` is false anywhere; the first values there fill the complaint."""
     wrong = np.flatnonzero(~np.atleast_1d(holds))
     if wrong.size:
         first = [np.broadcast_to(value, np.size(holds))[wrong[0]] for value in values]

@@ -1,6 +1,6 @@
-"""The beam, in internal units: um, ng, us, so uN, MPa and pJ.
+"""The beam, in internal units: um, ng, us, and hence uN, MPa and pJ.
 
-Each value is a number or, of a batch of devices, an array, (devices,).
+Each value is a number, or an array, (devices,), for a batch of devices.
 """
 
 import math
@@ -16,20 +16,24 @@ from .quantities import QUANTITIES, bounds_of
 from .shape import BISTABILITY_LIMIT, TERMS, TILT, Value, coefficients, midpoint, modes_of
 
 THINNEST = 1e6
-"""Most of rise over thickness: beyond, the digits of a float no longer hold bending and stretch."""
+"""Largest rise over thickness: beyond it a float cannot hold bending beside stretch."""
 FLAT = 1e-8
-"""Rise of a straight beam, over that to which it buckles: so its first shape is one of two."""
+"""Rise of a straight beam over its buckled rise: it makes one of two equal shapes the first."""
 
 
 @dataclass(frozen=True)
 class Beam:
     """A clamped beam; an impossible value raises ValueError.
 
-    rise: 0 for a straight beam, which compression must buckle
-    depth: across the plane of motion; of a double beam, of both beams together
-    damping: viscous drag per unit mass; oscillations decay at half this rate
+    span, thickness: um
+    rise: um, of the midpoint as made; 0 for a straight beam, which compression must buckle
+    depth: um, across the plane of motion; of a double beam, that of both beams together
+    youngs_modulus, residual_stress: MPa; tension is positive
+    density: ng/um^3
+    damping: viscous drag per unit mass, 1/us; oscillations decay at half this rate
+    imperfection: um, largest displacement of the first antisymmetric shape in the beam as made
     free: 1 for a beam that can tilt, 0 for a guided beam
-    clamp_axial: math.inf for rigid clamps
+    clamp_axial: stiffness of each clamp along the beam, uN/um; math.inf for rigid clamps
     cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 over the rise
 
     >>> snapmap.load_device("config/config.yaml").beam.rise
@@ -61,18 +65,15 @@ class Beam:
             require(holds, f"device.beam.{words}", *values)
 
     def _rules(self):
-        """What must hold beside the ranges of values, a complaint, and what it quotes."""
+        """Yield conditions beyond the ranges, each with a complaint and the values it quotes."""
         free, tilt = numbers(self.free), self.imperfection
         known = np.isin(np.nan if free is None else free, (0.0, 1.0))
         yield known, "free: {} is not 0 (guided) or 1 (free to tilt)", show(self.free)
         guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
         lacks = "imperfection: {:g} um never tilts a free beam; write one such as 0.01 um"
         yield guided | ~perfect, lacks, tilt
-        yield (
-            perfect | ~guided,
-            "imperfection: {:g} um needs a beam free to tilt; write guide: free",
-            tilt,
-        )
+        tilts = "imperfection: {:g} um needs a beam free to tilt; write guide: free"
+        yield perfect | ~guided, tilts, tilt
         steep = "imperfection: {:g} um is more than a tenth of the span; write less"
         yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
         Q = np.divide(self.rise, self.thickness)
@@ -80,7 +81,7 @@ class Beam:
         yield np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q
 
     def require_second_shape(self) -> None:
-        """Raise ValueError if the beam, or one of them, has no second stable shape to snap to."""
+        """Raise ValueError if the beam, or one of a batch, has no second stable shape."""
         if not np.all(self.is_bistable):
             require(
                 self.is_bistable,
@@ -113,12 +114,12 @@ class Beam:
 
     @property
     def axial_stiffness(self) -> Value:
-        """E A / (2 span), uN/um, less what the clamps give: force per integral of w'^2."""
+        """E A / (2 span) times `held`, uN/um: axial force per integral of w'^2."""
         return self.youngs_modulus * self.area / (2 * self.span) * self.held
 
     @property
     def held(self) -> Value:
-        """Share of the beam's axial stiffness that clamps which give leave it, up to 1."""
+        """Axial stiffness of beam and clamps in series over that of the beam, at most 1."""
         return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp_axial * self.span))
 
     @property
@@ -133,7 +134,7 @@ class Beam:
 
     @property
     def made_rise(self) -> Value:
-        """The rise, um; of a straight beam next to none: the length in which forms are held."""
+        """The rise, um, that scales shapes; a straight beam has FLAT times its buckled rise."""
         if np.all(self.rise):
             return self.rise
         beyond = np.maximum(self.compression - 1, FLAT)
@@ -142,42 +143,42 @@ class Beam:
 
     @property
     def bistability(self) -> Value:
-        """Q = rise / thickness, of clamps that give times the root of what they leave."""
+        """Q = rise / thickness, times sqrt(`held`) for clamps of finite stiffness."""
         return self.made_rise / self.thickness * np.sqrt(self.held)
 
     @property
     def cosines(self) -> np.ndarray:
-        """The shape as made, as `shape.coefficients` gives it, (..., TERMS)."""
+        """Coefficients a_n of the shape as made, (..., TERMS), as in `shape.coefficients`."""
         return coefficients([getattr(self, name) for name in COSINES])
 
     @property
     def is_cosine(self) -> np.ndarray:
-        """Whether the shape as made is the first cosine alone, an array."""
+        """Whether the shape as made is the first cosine alone, as an array."""
         plain = [np.equal(getattr(self, name), 0) for name in COSINES]
         return np.logical_and.reduce(np.broadcast_arrays(*plain))
 
     @cached_property
     def at_rest(self) -> Equilibria:
-        """Its equilibria if it is guided, in the rise and the first buckling load, as in `arch`."""
+        """Equilibria of the guided beam, in units of the rise and the first buckling load."""
         shape, arch, compression = self._arch
         parts = equilibria(*arch, compression)
         return Equilibria(*(part.reshape(shape + part.shape[1:]) for part in parts))
 
     @property
     def _arch(self):
-        """Shape of the batch, loads, s and EA/2L as `modes_of` has them, and the compression."""
+        """Shape of the batch; loads, s and EA/2L, as `modes_of` returns them; compression."""
         Q, compression, _ = np.broadcast_arrays(self.bistability, self.compression, self.is_cosine)
         a = np.broadcast_to(self.cosines, (*Q.shape, TERMS))
         return Q.shape, modes_of(Q.ravel(), a.reshape(-1, TERMS)), compression.ravel()
 
     @property
     def is_bistable(self) -> bool | np.ndarray:
-        """Whether it has a second stable shape, if it is guided."""
+        """Whether the guided beam has a second stable shape."""
         return np.isfinite(self.at_rest.N_second)[()]
 
     @property
     def bending_frequency(self) -> Value:
-        """The first of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
+        """First frequency of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
         root = 4.730040744862704 / self.span
         return root * root * np.sqrt(self.bending_stiffness / self.mass_per_length)
 
@@ -189,7 +190,7 @@ class Beam:
 
     @property
     def compression(self) -> Value:
-        """Residual stress over that of buckling, compression positive, less what clamps give."""
+        """Residual stress over that of buckling, times `held`; compression is positive."""
         return -np.divide(self.residual_stress, self.buckling_stress) * self.held
 
     @property
@@ -208,7 +209,7 @@ class Beam:
     def second_equilibrium(self) -> Value:
         """Midpoint of the second stable shape of a guided beam, um; NaN if it has none.
 
-        Of a cosine without residual stress w2 = -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
+        For a cosine without residual stress it is -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
         """
         return self.made_rise * midpoint(self.cosines, self.at_rest.second)
 
@@ -220,4 +221,4 @@ class Beam:
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
 COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
-"""What may be added to the shape, in order."""
+"""Names of the amplitudes of cosines 2, 3, ... of the shape as made."""

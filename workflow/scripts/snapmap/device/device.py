@@ -1,6 +1,6 @@
-"""A device: the beam, the mass and its spring, in internal units: um, ng, us, so uN, MPa and pJ.
+"""A device: beam, mass and spring, in internal units: um, ng, us, and hence uN, MPa and pJ.
 
-Each value is a number or, of a batch of devices, an array, (devices,).
+Each value is a number, or an array, (devices,), for a batch of devices.
 """
 
 import math
@@ -15,30 +15,37 @@ from .curved_beam import BEAM_VALUES, Beam
 from .quantities import QUANTITIES, keys_of
 from .shape import Value
 
-# ASSUME: silicon that meets silicon; a config says its own.
+# ASSUME: silicon strikes silicon, unless a config says otherwise.
 RESTITUTION = 0.5
 REFERENCE = 20.0
-"""Temperature, degC, at which the values of a device hold unless it says another."""
+"""Temperature, degC, at which the values of a device hold by default."""
 ZERO = 273.15
-"""K, of 0 degC."""
+"""Absolute temperature, K, of 0 degC."""
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
-"""Values of a device whose beam no mass ever meets; its spring and contact are of no account."""
+"""Values of a beam that no mass ever meets; those of spring and contact have no effect."""
 OF_MASS = *ALONE, *keys_of("stops").values()
-"""Values that a beam alone has no use for."""
+"""Names of the values that a beam alone does not need."""
 
 
 @dataclass(frozen=True)
 class Device:
     """A beam and a mass on a spring; an impossible value raises ValueError.
 
-    mass: 0, with a gap of math.inf, for a beam alone
-    contact: math.inf for hard contact
-    gravity, force: the unit of N; a force of 0 shakes the frame
-    stop_toward, stop_away: math.inf without a stop
-    modulus_slope: relative change of Young's modulus per kelvin
+    mass: ng; 0, with a gap of math.inf, for a beam alone
+    spring: uN/um
+    contact: stiffness of the contact, uN/um; math.inf for hard contact
+    gravity: unit of N, um/us^2, where pulses shake the frame, as they do if force is 0
+    force: unit of N, uN, where pulses push the midpoint of a beam alone
+    gap: um, between mass and midpoint at rest
+    stop_toward, stop_away: travel of the mass up to a stop, um; math.inf without a stop
+    restitution: speed of the mass after a stop over that before, from 0 to 1
+    temperature, reference_temperature: degC; at the latter all values hold
+    modulus_slope: relative change of Young's modulus, 1/K
+    expansion_mismatch: thermal expansion of the beam minus that of the frame, 1/K
     damper_exponent: power of the absolute temperature with which C grows
-    strength: math.inf for a beam that never breaks
-    contact_at: -math.inf without an electrode
+    strength, strength_modulus: Weibull's scale, MPa, and modulus; math.inf: the beam never breaks
+    strength_threshold: stress below which no beam breaks, MPa
+    contact_at: w(L/2), um, at which the beam touches an electrode; -math.inf without one
 
     >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
     >>> beam = snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3)
@@ -87,15 +94,15 @@ class Device:
 
     @property
     def own_frequency(self) -> Value:
-        """The lower of the mass's own, sqrt(spring / mass), and the beam's first, rad/us.
+        """The lower one of `mass_frequency` and `beam.bending_frequency`, rad/us.
 
-        A light mass, or one on a stiff spring, rests on a beam that snaps by its own inertia.
+        With a light mass or a stiff spring the beam snaps by its own inertia.
         """
         return np.minimum(self.mass_frequency, self.beam.bending_frequency)
 
     @property
     def mass_frequency(self) -> Value:
-        """The mass's own, sqrt(spring / mass), rad/us; inf without a mass."""
+        """Frequency of mass and spring, sqrt(spring / mass), rad/us; inf without a mass."""
         with np.errstate(divide="ignore"):
             return np.sqrt(np.divide(self.spring, self.mass))
 
@@ -106,54 +113,52 @@ class Device:
 
     @property
     def has_stops(self) -> bool | np.ndarray:
-        """Whether the mass meets a stop on either side."""
+        """Whether the mass has a stop on either side."""
         return np.isfinite(self.stop_toward) | np.isfinite(self.stop_away)
 
     @property
     def has_electrode(self) -> bool | np.ndarray:
-        """Whether the beam meets one on its way."""
+        """Whether the beam can touch an electrode."""
         return np.isfinite(self.contact_at)
 
     @property
     def damper_factor(self) -> Value:
-        """C at the device's temperature over that at the reference."""
+        """C at the device's temperature over C at the reference temperature."""
         if not np.any(self.damper_exponent):
             return np.ones(np.shape(self.temperature))[()]
         ratio = np.add(self.temperature, ZERO) / np.add(self.reference_temperature, ZERO)
         return np.vectorize(float.__pow__)(ratio, self.damper_exponent)[()]
 
     def __len__(self) -> int:
-        """Number of devices in a batch; 1 for a single device."""
+        """Return the number of devices in a batch; 1 for a single device."""
         return int(np.size(self.mass))
 
     def pick(self, which: int | np.ndarray) -> "Device":
-        """One device of a batch, or a batch of some: indices, or a mask, (devices,)."""
-        values = asdict(self)
-        return _from_values({**values.pop("beam"), **values}, lambda value: value[which])
+        """Pick a device of a batch by its index, or a smaller batch by indices or a mask."""
+        return _from_values(_values_of(self), lambda value: value[which])
 
     def vary(self, values: Mapping[str, np.ndarray]) -> "Device":
-        """The same devices but for some values, each (devices,), by their names in VALUES.
+        """Return the same devices with other values, each (devices,), by their names in VALUES.
 
-        Where the temperature is among them, the others are those at the reference.
+        With a temperature among them, the others hold at the reference temperature.
+        Raises ValueError if a beam has no second shape.
         """
-        present = asdict(self)
-        present |= {**present.pop("beam"), **self.warmed(values)}
-        device = _from_values(present, np.asarray)
+        device = _from_values({**_values_of(self), **self.warmed(values)}, np.asarray)
         device.beam.require_second_shape()
         return device
 
     def at(self, temperature: float) -> "Device":
-        """A single device at another temperature, degC; ValueError if it has no second shape."""
+        """Return a single device at a temperature, degC; ValueError if it has no second shape."""
         return batch([self]).vary({"temperature": np.array([temperature])}).pick(0)
 
     def warmed(self, values: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
-        """Values for `vary`, with the modulus and the stress at the temperature among them.
+        """Add modulus and stress, if the temperature is among the values for `vary`.
 
         E = E0 (1 + slope dT),  stress = stress0 - E0 mismatch dT
         """
         if "temperature" not in values:
             return values
-        # ASSUME: all else stays as it is: expansion moves sizes by some 1e-4.
+        # ASSUME: nothing else depends on temperature: expansion changes sizes by some 1e-4.
         dT_before = self.temperature - self.reference_temperature
         dT = values["temperature"] - self.reference_temperature
         at_reference = self.beam.youngs_modulus / (1 + self.modulus_slope * dT_before)
@@ -170,25 +175,29 @@ class Device:
 _NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
 _NUMBERS = [key for key in _NAMES if key in QUANTITIES]
 VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
-"""Names of the values that tell one device from another."""
+"""Names of the values in which devices of a study may differ."""
 SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
 FROM_ZERO = tuple(key for key in VALUES if QUANTITIES[key].range.low_fits and key not in SIGNED)
-"""Those that may be negative, or zero; all others are positive."""
+"""Names of the values that may be negative (SIGNED) or zero; all others are positive."""
 
 
 def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
-    rows = [{**asdict(device.beam), **asdict(device)} for device in devices]
-    del rows[0]["beam"]
+    rows = [_values_of(device) for device in devices]
     columns = {key: np.array([row[key] for row in rows], float) for key in rows[0]}
     return _from_values(columns, np.asarray)
 
 
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
-    """Whether the beam with other values, each (size,), has a second stable shape; (size,)."""
+    """Return whether the beam with other values, each (size,), has a second shape: (size,)."""
     values = asdict(device.beam) | device.warmed(values)
     beam = Beam(**{key: values[key] for key in BEAM_VALUES})
     return np.broadcast_to(beam.is_bistable, (size,))
+
+
+def _values_of(device):
+    values = asdict(device)
+    return values.pop("beam") | values
 
 
 def _from_values(values, convert):

@@ -1,8 +1,8 @@
-"""What a device and its shock are described by: quantities and their units.
+"""Quantities of a device and its shock, and their units.
 
-A value of the device is a line in quantities.csv, a field in `device.py`, and its physics: units,
-attributes in files, words in figures and on the page, the keys of the config and how a recipe is
-written follow.
+To add a value of the device, add a line to quantities.csv, a field to `device.py` or
+`curved_beam.py`, and its physics. Units, attributes in files, words in figures and on the page, and
+keys of the config follow.
 """
 
 import csv
@@ -15,7 +15,7 @@ import numpy as np
 
 
 class Bounds(NamedTuple):
-    """Numbers between two ends; low_fits, high_fits: whether these are among them."""
+    """An interval of numbers; low_fits, high_fits: whether its ends belong to it."""
 
     low: float
     high: float
@@ -23,12 +23,12 @@ class Bounds(NamedTuple):
     high_fits: bool
 
     def holds(self, values: np.ndarray) -> np.ndarray:
-        """Whether values are in it; NaN is not."""
+        """Return whether each value is in the interval; NaN is not."""
         above = np.greater(values, self.low) | (self.low_fits & np.equal(values, self.low))
         return above & (np.less(values, self.high) | (self.high_fits & np.equal(values, self.high)))
 
     def __str__(self):
-        """In words that follow a noun."""
+        """Write the interval in words that follow a noun."""
         ends = []
         if self.low_fits and self.high_fits:
             return f"from {self.low:.10g} to {self.high:.10g}"
@@ -46,12 +46,12 @@ def bounds_of(text: str) -> Bounds:
 
 
 def plain(value: float, digits: int = 4) -> str:
-    """A number to so many digits, without an exponent where it is an ordinary one."""
+    """Write a number with so many significant digits, without an exponent if it is not extreme."""
     return f"{float(f'{value:.{digits}g}'):.12g}"
 
 
 class Dimension(NamedTuple):
-    """What a key expects: its name with article, internal unit, an example, and an interval."""
+    """A kind of value: its name with article, internal unit, an example, and an interval."""
 
     name: str
     unit: str
@@ -112,7 +112,7 @@ SPELT = {
     "uN/um": Unit("uN um-1", "N/m", "N/m"),
     "uN*us/um": Unit("uN us um-1", "µN µs µm$^{-1}$", "µN\u00a0µs/µm"),
 }
-"""By their spelling in a config."""
+"""Units by their spelling in a config."""
 USED = {
     "youngs_modulus": (1e-3, "GPa", "GPa"),
     "density": (1e6, "kg/m^3", "kg/m³"),
@@ -120,18 +120,19 @@ USED = {
     "gravity": (1e6, "m/s^2", "m/s²"),
     **dict.fromkeys(("spring", "contact", "clamp_axial"), (1.0, "N/m", "N/m")),
 }
-"""Factor and unit, and its spelling on the page, of what is read in other units than internal."""
+"""Factor, unit, and spelling on the page, of quantities that users read in another unit."""
 
 
 class Quantity(NamedTuple):
-    """A value of the device, or of its shock, or what else an axis may have.
+    """A value of the device or of its shock, or another axis of a study.
 
-    kind: a key of KINDS, none if its values are names; long_name: in files, of what can be an axis
-    words: in figures, in short; label: there along an axis, if not the words
+    kind: a key of KINDS; "" if the values are names
+    left_out: value that a written config omits; NaN for none; a quantity with it is listed last
+    long_name: in files; "" if the quantity cannot be an axis
+    words: short name in figures; label: name along an axis, if it differs
     symbol: in the drawing of the device
-    left_out: of which value a recipe is silent, NaN for none; the config then lists it last
-    usual: beyond these, internal units, it is hardly meant
-    key: in the config, below `device`; what, example, default: what is said of it there; one
+    usual: range, in internal units, beyond which a value is probably a slip
+    key: in the config, below `device`; what, example, default: its line in docs/config.md; a key
         without a default is required
     """
 
@@ -150,7 +151,7 @@ class Quantity(NamedTuple):
 
     @property
     def range(self) -> Bounds:
-        """Of its values, with that of which a recipe is silent."""
+        """Range of the values, with the one that a written config omits."""
         low, high, low_fits, high_fits = bounds_of(KINDS[self.kind].interval)
         silent = self.left_out
         return Bounds(low, high, low_fits or silent == low, high_fits or silent == high)
@@ -162,13 +163,13 @@ class Quantity(NamedTuple):
 
     @property
     def spelt(self) -> Unit:
-        """The internal unit elsewhere."""
+        """The internal unit, as files, figures and the page spell it."""
         return SPELT[self.unit]
 
     def used(self, text: str, typeset: bool = False) -> str:
-        """A value of a config in its internal unit as users read it; other text as it is.
+        """Convert the text of a value in its internal unit to users' unit; leave other text.
 
-        typeset: as on the page
+        typeset: whether it is spelt as on the page
         """
         number, _, unit = text.partition(" ")
         if not self.unit or unit != self.unit:
@@ -178,7 +179,7 @@ class Quantity(NamedTuple):
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Of a coordinate in a file."""
+        """Attributes of the coordinate in a file."""
         units = {"units": self.spelt.files} if self.kind else {}
         return {"long_name": self.long_name} | units
 
@@ -190,18 +191,18 @@ def _quantity(left_out, usual, **words):
 
 with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as _file:
     QUANTITIES = {row["name"]: _quantity(**row) for row in csv.DictReader(_file)}
-"""By their names, in the order in which figures name them."""
+"""Quantities by name, in the order in which figures name them."""
 
 
 def keys_of(section: str) -> dict[str, str]:
-    """Names of the values in a section of a config's device, such as beam.clamp, by their keys."""
+    """Return the names of values, by their keys in a section of the device such as beam.clamp."""
     places = {quantity.key: name for name, quantity in QUANTITIES.items() if quantity.key}
     parts = {place.rpartition("."): name for place, name in places.items()}
     return {key: name for (path, _, key), name in parts.items() if path == section}
 
 
 def leaves(section: Mapping, path: str = "") -> Iterator[tuple[str, str]]:
-    """All that a section of a config says, as text, by the paths of its keys."""
+    """Yield the path of each key in a section of a config, and its value as text."""
     for key, value in section.items():
         if isinstance(value, Mapping):
             yield from leaves(value, f"{path}{key}.")

@@ -1,4 +1,4 @@
-"""Values of a device and of its shocks as they scatter: distributions, and samples of them."""
+"""Scatter of a device and its shocks: distributions of their values, and samples."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,18 +12,18 @@ from .checks import numbers
 from .device import FROM_ZERO, OF_MASS, SIGNED, VALUES, Device
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
-"""Values of the device that scatter: it is as warm as it is."""
+"""Names of the device's values that may scatter; its temperature does not."""
 SHOCK_FACTORS = ("N", "duration", "C")
-"""Values of the shock and of the damper that scatter, too, as shares: they have no nominal ones."""
+"""Values of shock and damper that may scatter, as factors of their values in a study."""
 DISTRIBUTIONS = ("normal", "uniform", "lognormal", "truncated")
 SAMPLES, INDEX_SAMPLES, SEED = 1000, 1024, 1
-"""Samples, those by which Sobol indices are estimated, and the seed of their draw, by default."""
+"""Defaults: samples, samples that estimate Sobol indices, and seed."""
 FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
-"""Cells that are followed to their end, and the least samples of which all cells are."""
+"""Most cells that are followed to their end; at least the cells of so many samples are."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
 DIGITS = 7
-"""Decimals of a deviation over its width: no library's last digit shows in a sample."""
+"""Decimals to which deviations over their width are rounded, so libraries cannot differ."""
 
 Samples = Annotated[int, integer(2, 100_000)]
 Groups = Annotated[
@@ -38,13 +38,13 @@ Groups = Annotated[
 
 
 class Tolerances(NamedTuple):
-    """What is requested of devices as made.
+    """A request for devices as made.
 
-    scatters: of each value the standard deviation, as `snapmap.tolerance` takes it
-    together: groups of values that one draw moves
+    scatters: standard deviation of each value, as `snapmap.tolerance` takes it
+    together: groups of values that share a draw
     samples: number of devices
-    index_samples: of those by which Sobol indices are estimated, cut down to a power of two, each
-        with a partner and one more for each scatter; by default as many as are affordable
+    index_samples: samples that estimate Sobol indices, rounded down to a power of two; each takes
+        2 devices and one more for each scatter; None for up to INDEX_SAMPLES
     seed: of the draws
     """
 
@@ -56,26 +56,25 @@ class Tolerances(NamedTuple):
 
     @property
     def section(self) -> dict:
-        """As provenance has it, in plain values."""
+        """The request in plain values, as provenance records it."""
         draws = {"samples": self.samples, "seed": self.seed, "together": self.together}
         return {**self.scatters, **draws}
 
     @property
     def power(self) -> int:
-        """Samples by which indices are estimated."""
+        """Number of samples that estimate Sobol indices, a power of two."""
         return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
 
     def followed(self, cells: int) -> int:
-        """Samples whose cells, so many of each, are followed to their end."""
+        """Return how many samples, of so many cells each, are followed to the end."""
         return min(self.samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // cells))
 
 
 class Scatter(NamedTuple):
-    """How one value scatters about its nominal one.
+    """The distribution of a value about its nominal value.
 
     distribution: one of DISTRIBUTIONS
-    width: standard deviation, half width of `uniform`, or that of the normal distribution before it
-        is `truncated`
+    width: standard deviation, of `truncated` before it is cut; half width of `uniform`
     is_share: whether the width is a share of the nominal value
     """
 
@@ -84,13 +83,13 @@ class Scatter(NamedTuple):
     is_share: bool
 
     def values(self, nominal: float, u: np.ndarray) -> np.ndarray:
-        """Values at cumulative probabilities u, from 0 to 1, any shape."""
-        from scipy import stats  # half a second, for which no config that is read has to wait
+        """Return the values at cumulative probabilities u, from 0 to 1, in the shape of u."""
+        from scipy import stats  # imported late: it takes half a second
 
         if self.distribution == "lognormal":
             share = self.width if self.is_share else self.width / nominal
             spread = math.sqrt(math.log1p(share**2))
-            # Its mean is the nominal value, and its standard deviation the width.
+            # The mean is the nominal value, and the standard deviation is the width.
             return nominal * np.round(np.exp(spread * stats.norm.ppf(u) - spread**2 / 2), DIGITS)
         deviation = {
             "normal": stats.norm.ppf,
@@ -102,13 +101,13 @@ class Scatter(NamedTuple):
 
 
 class Plan:
-    """What scatters, by which draws, about which nominal values.
+    """A plan of samples.
 
-    scatters: by the names of the values; factors: for each draw the values that it moves
+    scatters, nominal: of each value, by name; factors: for each draw, the values that it moves
     """
 
     def __init__(self, device, scatters: Mapping, together: Sequence[Sequence[str]] = ()):
-        """Take scatters as `snapmap.tolerance` does; ValueError, one line, for what cannot be."""
+        """Read scatters, as `snapmap.tolerance` takes them; raises ValueError, one line."""
         self.scatters = {key: _scatter(key, width) for key, width in scatters.items()}
         if not self.scatters:
             raise ValueError("tolerances: empty; write a value that scatters, such as thickness")
@@ -136,13 +135,13 @@ class Plan:
 
     @property
     def names(self) -> list[str]:
-        """A name for each draw: of the values that it moves, joined by +."""
+        """Name of each draw: the values that it moves, joined by +."""
         return ["+".join(keys) for keys in self.factors]
 
     def points(self, samples: int, seed: int) -> np.ndarray:
-        """Cumulative probabilities, (2, samples, draws): two sets that know nothing of each other.
+        """Draw two independent sets of cumulative probabilities, (2, samples, draws).
 
-        By a scrambled Sobol sequence; the first of more samples are the same.
+        They follow a scrambled Sobol sequence; with more samples the first ones stay the same.
         """
         from scipy.stats import qmc
 
@@ -153,9 +152,9 @@ class Plan:
         return np.moveaxis(middle.reshape(samples, 2, draws), 1, 0)
 
     def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
-        """Values by name, (samples,), at cumulative probabilities, (samples, draws).
+        """Return values by name, (samples,), at cumulative probabilities, (samples, draws).
 
-        Raises ValueError, one line, for a value that cannot be.
+        Raises ValueError, one line, for an impossible value.
         """
         values = {
             key: self.scatters[key].values(self.nominal[key], u)
@@ -173,14 +172,14 @@ class Plan:
 
 
 def nominal_value(device: Device, key: str) -> float:
-    """The nominal value; 1 for those of the shock, which are factors."""
+    """Return the nominal value; 1 for SHOCK_FACTORS."""
     if key in SHOCK_FACTORS:
         return 1.0
     return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
 
 
 def _scatter(key, width):
-    """Take a width, as a number or a share as text, or a mapping of one of DISTRIBUTIONS to it."""
+    """Read a width, a number or text such as "5 %", or a mapping of one of DISTRIBUTIONS to it."""
     name = f"tolerances.{key}"
     known = *OF_DEVICE, *SHOCK_FACTORS
     if key not in known:

@@ -1,7 +1,7 @@
-"""The shape in which a beam is made.
+"""The shape of a beam as made, in units of its rise and span.
 
-With rise and span 1 a shape is w0 = sum a_n phi_n / 2, phi_n = 1 - cos(2 n pi x): its projection
-on what clamps allow, by the slopes; w0 itself need not meet them.
+It is w0 = sum a_n phi_n / 2 with phi_n = 1 - cos(2 n pi x). A discretisation starts at the
+projection of w0, by slopes, on its own shapes; w0 need not be among them.
 """
 
 import math
@@ -13,13 +13,13 @@ from ..numerics.linalg import dot
 from ..numerics.portable import sine
 
 TERMS = 5
-"""Cosines in which a shape is held."""
+"""Number of cosines that describe a shape."""
 BISTABILITY_LIMIT = 4 / math.sqrt(3)
-"""Q of a cosine without stress above which there is a second shape."""
+"""Q above which a cosine without residual stress has a second shape."""
 TILT = (8.986818915818128 / (2 * math.pi)) ** 2
 """Buckling load of the first antisymmetric shape over that of the first; tan(mu/2) = mu/2."""
 PANELS = 80
-"""Panels on half the span, each of Gauss's rule with the points and weights below."""
+"""Panels on half the span for Gauss's rule, whose POINTS and WEIGHTS follow."""
 _OUTER, _INNER = (math.sqrt(5 + side * 2 * math.sqrt(10 / 7)) / 3 for side in (1, -1))
 POINTS = np.array([-_OUTER, -_INNER, 0.0, _INNER, _OUTER])
 WEIGHTS = np.array([322 - 13 * math.sqrt(70), 322 + 13 * math.sqrt(70)])
@@ -31,17 +31,20 @@ Value = float | np.ndarray
 
 
 def coefficients(cosines: Sequence[Value]) -> np.ndarray:
-    """The a_n of beams, (..., TERMS), the midpoint at 1; cosines: a_2, a_3, ..., (TERMS - 1,)."""
+    """Return the a_n, (..., TERMS), of shapes whose midpoint is at 1.
+
+    cosines: a_2 to a_5, each a number or an array, (...)
+    """
     others = np.stack(np.broadcast_arrays(*cosines), axis=-1)
     first = 1.0 - others[..., 1] - others[..., 3]
     return np.concatenate([first[..., np.newaxis], others], axis=-1)
 
 
 def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give points and weights of Gauss's rule on elements between nodes, and phi_n' there.
+    """Return points and weights of Gauss's rule on elements, and the slopes phi_n' there.
 
-    nodes: of half the span, (elements + 1,)
-    Returns (elements, points), (elements, points) and (elements, points, TERMS).
+    nodes: x of the elements' ends on half the span, (elements + 1,)
+    Shapes are (elements, points), (elements, points) and (elements, points, TERMS).
     """
     panels = -(-PANELS // (nodes.size - 1))
     share = ((np.arange(panels)[:, np.newaxis] + (1 + POINTS) / 2) / panels).ravel()
@@ -53,9 +56,9 @@ def slope_products(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 def modes_of(Q: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Loads n^2, s_n = a_n n and EA/2L = 3/4 Q^2, as `arch` takes them.
+    """Return loads n^2, s_n = a_n n and EA/2L = 3/4 Q^2 of beams, as `arch.equilibria` takes them.
 
-    Q: rise over thickness, (n,); a: the a_n, (n, TERMS)
+    Q: rise over thickness, (beams,); a: the a_n, (beams, TERMS)
     """
     terms = max(2, 1 + np.flatnonzero(a.any(axis=0)).max())
     s = (a * _N)[:, :terms]
@@ -63,6 +66,6 @@ def modes_of(Q: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
 
 
 def midpoint(a: np.ndarray, growth: np.ndarray) -> Value:
-    """w(L/2) over the rise of a shape whose coordinates grow so; both (..., terms)."""
+    """Return w(L/2) over the rise of a shape whose coordinates a have grown, both (..., terms)."""
     odd = growth[..., ::2]
     return 1 + dot(a[..., : growth.shape[-1] : 2], odd - 1)

@@ -1,4 +1,4 @@
-"""Files that are whole or absent, whatever kills the job that writes them, and a folder's lock."""
+"""Files that stay whole or absent even if a job that writes them is killed; and locks."""
 
 import fcntl
 import mmap
@@ -10,16 +10,16 @@ from hashlib import blake2b
 from pathlib import Path
 
 SEAL = b"BLAKE2b-512 of all bytes before: "
-"""And the 64 bytes of it end a file: HDF5 reads past neither, and drops both where it writes."""
+"""This and 64 bytes of hash end a sealed file: HDF5 ignores them, and drops them when it writes."""
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[str]:
-    """Give a temporary name beside `path`, which is renamed to it when the block has ended well.
+    """Yield a temporary path, which replaces `path` once the block has ended without an error.
 
-    Raises OSError, one line with the space that is left, for what could not be written.
+    Raises OSError, one line with the free space, if the file could not be written.
     """
-    # The process is part of the name: a job that outlived its run shares no file with its heir.
+    # The name holds the process: a job that outlives its run shares no file with the next one's.
     part = f"{path}.{os.getpid()}.part"
     try:
         yield part
@@ -32,13 +32,13 @@ def replacing(path: str | Path) -> Iterator[str]:
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write a text, whole or not at all."""
+    """Write a text to a file, whole or not at all."""
     with replacing(path) as part:
         Path(part).write_text(text, encoding="utf-8")
 
 
 def seal(path: str | Path) -> None:
-    """End a file with a hash of it: HDF5's own checksums are of the data alone."""
+    """Append a hash of all bytes to a file: HDF5's own checksums cover the data alone."""
     with open(path, "r+b") as file:
         digest = blake2b(mmap.mmap(file.fileno(), 0)).digest()
         file.seek(0, 2)
@@ -46,7 +46,7 @@ def seal(path: str | Path) -> None:
 
 
 def is_whole(path: str | Path) -> bool | None:
-    """Whether a file is as `seal` left it; None for a file without a seal."""
+    """Return whether a file is as `seal` left it; None for a file without a seal."""
     with open(path, "rb") as file:
         size = file.seek(0, 2) - len(SEAL) - 64
         if size <= 0:
@@ -60,10 +60,10 @@ def is_whole(path: str | Path) -> bool | None:
 
 
 def hold(path: str | Path) -> str:
-    """Lock a file until this process ends, whatever ends it.
+    """Lock a file until this process ends.
 
-    Returns what the file system says if it has no locks, as some on clusters; else nothing.
-    Raises BlockingIOError if another process holds it.
+    Returns "", or the error of a file system without locks, as some clusters have.
+    Raises BlockingIOError if another process holds the lock.
     """
     file = os.open(path, os.O_CREAT | os.O_WRONLY)  # stays open
     try:
@@ -76,7 +76,7 @@ def hold(path: str | Path) -> str:
 
 
 def refuse_folders(folder: str | Path, endings: Sequence[str]) -> None:
-    """Raise ValueError, one line, for a folder below `folder` with the ending of a product."""
+    """Raise ValueError, one line, if a folder below `folder` has a name with one of the endings."""
     for path in Path(folder).rglob("*.*"):
         if path.suffix in endings and path.is_dir():
             raise ValueError(f"{path}: is a folder, where a file belongs; remove it")

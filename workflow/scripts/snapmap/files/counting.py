@@ -1,4 +1,4 @@
-"""How many cells have been followed, shown to who waits."""
+"""A progress line: how many cells have been followed."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,20 +7,20 @@ _listeners: list[Callable[[int], object]] = []
 
 
 def count(cells: int) -> None:
-    """Add cells that have been followed."""
+    """Report that so many more cells have been followed."""
     for listen in _listeners:
         listen(cells)
 
 
 @contextmanager
 def counting(what: str, **options) -> Iterator[None]:
-    """Show from the third second on how many cells have been followed.
+    """Show the number of followed cells while the block runs, from its third second on.
 
-    Only a terminal or a notebook shows it, and only where tqdm is installed.
-    options: those of `tqdm`, in place of the usual ones
+    Only a terminal or a notebook shows it, and only if tqdm is installed.
+    options: of `tqdm`, in place of the usual ones
     """
     try:
-        from tqdm.auto import tqdm  # imported late: a solver job does without
+        from tqdm.auto import tqdm  # imported late: a solver job needs none
     except ModuleNotFoundError:  # of the extra `workflow`
         yield
         return

@@ -1,4 +1,4 @@
-"""What to install where an optional package is missing."""
+"""The remedy for a missing optional package."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,12 +13,12 @@ EXTRAS = {
     "tqdm": "workflow",
     "yaml": "config",
 }
-"""Extra of pyproject.toml by the name that its package is imported by."""
+"""Extra of pyproject.toml that installs a package, by the name under which it is imported."""
 
 
 @contextmanager
 def needing(what: str) -> Iterator[None]:
-    """Raise ImportError, one line that names the extra, where one of its packages is missing."""
+    """Raise ImportError, one line that names the extra, if the block lacks an optional package."""
     try:
         yield
     except ModuleNotFoundError as missing:

@@ -1,4 +1,4 @@
-"""Files that a config names: plain ones of a bounded size, read whole, as they were planned."""
+"""Files that a config names: they are of bounded size, and as they were when a run was planned."""
 
 import hashlib
 import json
@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 PLANNED = "SNAPMAP_PLANNED"
-"""The variable of the environment by which jobs inherit the hashes of files."""
+"""Environment variable by which jobs inherit the hashes of files."""
 EDITED = "was edited after the run was planned; run again"
 
 
 @contextmanager
 def naming(path: str | Path) -> Iterator[None]:
-    """Make what goes wrong with a file a ValueError of one line that names it."""
+    """Turn an error of the block into a ValueError, one line that begins with the path."""
     if not str(path).isprintable():
         path = repr(str(path))
     try:
@@ -29,10 +29,10 @@ def naming(path: str | Path) -> Iterator[None]:
 
 
 def read_named(path: str | Path, most: int, remedy: str, sha256: str = "") -> bytes:
-    """Read a file; raises OSError, or ValueError without its name, for one that cannot be.
+    """Read a whole file; raises OSError, or ValueError without its name, for a wrong one.
 
-    most: bytes; remedy: what to do about more, such as "write at most 100 rows"
-    sha256: of the content that the run was planned with, hex digits; empty for any
+    most: bytes; remedy: what to do about a larger file, such as "write at most 100 rows"
+    sha256: expected hash of the content, hex digits; empty for any
     """
     path = Path(path)
     size = path.stat().st_size
@@ -48,16 +48,16 @@ def read_named(path: str | Path, most: int, remedy: str, sha256: str = "") -> by
 
 
 def sha256_of(path: str | Path, most: int, remedy: str) -> str:
-    """Hash what a file holds, as `read_named` reads it; raises ValueError, one line."""
+    """Hash the content of a file, read by `read_named`; raises ValueError, one line."""
     with naming(path):
         return hashlib.sha256(read_named(path, most, remedy)).hexdigest()
 
 
 def hold_to_plan(files: Mapping[str, str], plans: bool) -> None:
-    """Raise ValueError, one line, for a file that the run was planned with other content of.
+    """Raise ValueError, one line, if a file has changed since the run was planned.
 
     files: SHA-256 by path
-    plans: whether this process plans the run, whose hashes its jobs then inherit
+    plans: whether this process plans the run; its jobs then inherit these hashes
     """
     if plans:
         os.environ[PLANNED] = json.dumps(files)

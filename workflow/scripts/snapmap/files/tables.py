@@ -1,4 +1,4 @@
-"""Tables in CSV whose header names columns and units; a fault is one line, with line and column."""
+"""CSV tables whose header names columns and units; errors name the line and the column."""
 
 import io
 import math
@@ -9,16 +9,16 @@ from types import MappingProxyType
 import numpy as np
 
 DECIMALS = "write decimals with a point, not a comma"
-"""Remedy for a table of a country that writes decimals with a comma."""
+"""Remedy for a table with decimal commas."""
 MOST_ROWS = 10_000
 ROWS = 2_000_000, f"write at most {MOST_ROWS} rows"
-"""Most bytes of a table of shocks, and the remedy for more, as `read_named` takes both."""
+"""Most bytes of a table of shocks, and the remedy for a larger one, as `read_named` takes them."""
 SHOCKS = {
     "N": {"": 1.0, "g": 1.0},
     "f0": {"Hz": 1.0, "": 1.0, "kHz": 1e3},
     "duration": {"ms": 1e3, "us": 1.0, "s": 1e6},
 }
-"""Columns of numbers, and by unit the factors to multiples of g, Hz and us."""
+"""Factors to multiples of g, Hz and us, by column and unit."""
 ANSWERS = {
     **dict.fromkeys(("yes", "true", "1", 1), True),
     **dict.fromkeys(("no", "false", "0", 0), False),
@@ -35,12 +35,13 @@ def read_table(
     above: float = -math.inf,
     gaps: bool = False,
 ) -> dict[str, np.ndarray]:
-    """Read columns from CSV, each in one unit; raises ValueError, one line without the file's name.
+    """Read the columns of a CSV; raises ValueError, one line without the file's name.
 
-    numbers: factors by unit of each column of numbers, which are finite and above `above`; where no
-        other columns may be, they come in this order, whatever the header calls them
-    words: of each column of words their meanings, or None where any goes
-    most: rows that it may have; gaps: whether a missing number is NaN
+    numbers: factors by unit, for each column of numbers, which must be finite and above `above`;
+        without `words` the columns come in this order, whatever the header calls them
+    words: meanings of its words, for each column of words; None where any word is right
+    most: rows; gaps: whether a number may be missing, and then is NaN
+    Returns each column, (rows,), numbers times the factor of their unit.
     """
     import pandas  # imported late: most runs read no table
 
@@ -67,7 +68,7 @@ def read_table(
         )
     except pandas.errors.ParserError as error:
         raise ValueError(f"is not a CSV of {len(keys)} columns ({error}); {DECIMALS}") from None
-    if not isinstance(table.index, pandas.RangeIndex):  # made of what is beyond the header
+    if not isinstance(table.index, pandas.RangeIndex):  # pandas makes surplus columns the index
         raise ValueError(f"line 2: has more than {len(keys)} columns; {DECIMALS}")
     if len(table) > most:
         raise ValueError(f"has more than {most} rows; write fewer")
@@ -93,7 +94,7 @@ def read_table(
 
 
 def _keys(head, numbers, words):
-    """Name each column, by its head or, where there are no words, by its place."""
+    """Name each column: by its head, or by its place if there are no columns of words."""
     known = ", ".join([*numbers, *words])
     if not words:
         if len(head) != len(numbers):
@@ -101,7 +102,7 @@ def _keys(head, numbers, words):
         return list(numbers)
     keys = [_UNIT.sub("", word).strip() for word in head]
     unknown = [key for key in keys if key not in {*numbers, *words}]
-    if len(unknown) == len(keys):  # another file, which is not to be quoted
+    if len(unknown) == len(keys):  # it is some other file: the message quotes nothing of it
         raise ValueError(f"line 1: has no known column; write {known}")
     if unknown:
         raise ValueError(f"line 1: column {unknown[0]!r} is unknown; known are {known}")
@@ -111,7 +112,7 @@ def _keys(head, numbers, words):
 
 
 def _scale(word, key, numbers):
-    """Give the factor of a column of numbers, by the unit in its header; 1 of one of words."""
+    """Return the factor of a column of numbers by the unit in its head; 1 for a column of words."""
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"

@@ -1,4 +1,4 @@
-"""Text that stands in messages and tables as it is: values in one line, names, Markdown."""
+"""Text for messages and tables: values in one line, names, and tables in Markdown."""
 
 import re
 import reprlib
@@ -9,11 +9,11 @@ from os import PathLike
 import numpy as np
 
 LONGEST = 60
-"""Characters of a value in a message."""
+"""Most characters of a value in a message."""
 
 
 def show(value: object) -> str:
-    """Quote a value in one short line."""
+    """Write a value in one short line; of an object other than plain data only its type."""
     value = str(value) if isinstance(value, PathLike) else value
     if not isinstance(value, str | bytes | Number | list | tuple | dict | None):
         name = type(value).__name__
@@ -31,7 +31,7 @@ NAME = "letters, digits, spaces, .,:()/%+-_, the first a letter or digit"
 
 
 def is_name(text: str) -> bool:
-    """Whether a text may stand as it is in tables: in CSV, in Markdown and on the page."""
+    """Return whether a text is safe as it is in CSV, in Markdown and on the page."""
     return re.fullmatch(r"[^\W_][\w .,:()/%+-]*", text) is not None
 
 
@@ -39,7 +39,7 @@ DASH = "–"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a Markdown table, its first column to the left, others to the right.
+    """Write a Markdown table; the first column is left-aligned, others right-aligned.
 
     Short rows are filled up with dashes.
     """
