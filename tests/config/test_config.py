@@ -290,9 +290,9 @@ def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
     assert under(DROP, shape="half sine", direction="both") == each[:2]
     shares = {"shape": "trapezoid", "rise": "20 %"}
     (shock,) = required(shares, fall="30 %")
-    assert shock.pulse.given == {"shape": "trapezoid", "rise": 0.2, "fall": 0.3}
+    assert shock.pulse.section == {"shape": "trapezoid", "rise": 0.2, "fall": 0.3}
     (shock,) = required(shares, shape="trapezoid")
-    assert "rise" not in shock.pulse.given
+    assert "rise" not in shock.pulse.section
 
 
 def test_all_faults_are_reported_at_once_wherever_they_are():

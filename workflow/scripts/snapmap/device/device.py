@@ -39,7 +39,7 @@ class Device:
     gap: um, between mass and midpoint at rest
     stop_toward, stop_away: travel of the mass up to a stop, um; math.inf without a stop
     restitution: speed of the mass after a stop over that before, from 0 to 1
-    temperature, reference_temperature: degC; at the latter all values hold
+    temperature, reference_temperature: degC; at the former the beam's values hold, at the latter C
     modulus_slope: relative change of Young's modulus, 1/K
     expansion_mismatch: thermal expansion of the beam minus that of the frame, 1/K
     damper_exponent: power of the absolute temperature with which C grows

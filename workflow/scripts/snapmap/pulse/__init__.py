@@ -1,4 +1,4 @@
-"""By which shock: pieces of a pulse, trains of blows, records, and the directions of a study."""
+"""The shock: shapes of pulses, trains of blows, recorded pulses, and the directions of a study."""
 
 from .pulse import Pulse, make_pulse, sampled
 

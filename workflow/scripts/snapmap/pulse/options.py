@@ -1,4 +1,4 @@
-"""What may be written of a pulse, from Python as in a config."""
+"""The keys of a pulse and their values, in Python as in a config."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,26 +13,26 @@ OF_PULSE = {
     "N": Argument(
         "a number above or below 0", lambda value: ANY.fits(value) and value != 0, as_plain
     ),
-    **{f"{key}": number("(0, inf)", "us", "500") for key in ("duration", "wait")},
+    **dict.fromkeys(("duration", "wait"), number("(0, inf)", "us", "500")),
     "height": number("(0, inf)", "um", "1e6"),
     "rebound": number("[0, 0.99]", "", "0.5"),
     **dict.fromkeys(("rise", "fall"), SHARE),
     "repeat": integer(1),
 }
-"""What each key of a pulse may hold."""
+"""Description of the value of each key."""
 
 
 def take_pulse(
     path: str, section: Mapping, needed: Sequence[str], others: Sequence[str] = ()
 ) -> dict[str, object]:
-    """Convert a mapping of these keys to what a pulse may have; else ValueError, one line."""
+    """Convert a mapping, at a path of a config, of these keys; raises ValueError, one line."""
     if not isinstance(section, Mapping) or not {*needed} <= {*section} <= {*needed, *others}:
         more = f"; it may have {', '.join(others)}" if others else ""
         raise ValueError(f"{path}: {show(section)} is not a mapping of {', '.join(needed)}{more}")
-    taken = {key: OF_PULSE[key].take(f"{path}.{key}", value) for key, value in section.items()}
-    shares = {key: taken[key] for key in SHARES if key in taken}
-    if shares and taken.get("shape") != "trapezoid":
+    values = {key: OF_PULSE[key].take(f"{path}.{key}", value) for key, value in section.items()}
+    shares = {key: values[key] for key in SHARES if key in values}
+    if shares and values.get("shape") != "trapezoid":
         raise ValueError(f"{path}.{next(iter(shares))}: is of a trapezoid alone; leave it out")
     if sum({"rise": TENTH, "fall": TENTH, **shares}.values()) > 1:
         raise ValueError(f"{path}.rise: with fall is more than the duration; write smaller shares")
-    return taken
+    return values

@@ -1,4 +1,4 @@
-"""Recorded shocks: files of acceleration over time, read, checked and made pulses."""
+"""Recorded shocks: files of acceleration over time are read, checked and made pulses."""
 
 import re
 from dataclasses import replace
@@ -13,10 +13,10 @@ from .pulse import Pulse, sampled
 
 MOST_SAMPLES = 1_000_000
 RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
-"""Longer records are refused: a shock is over sooner, or is sampled far finer than it needs."""
+"""Most bytes of a record, and the remedy for more: no shock needs so many samples."""
 TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
 ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
-"""Units by the words for them, in us and um/us^2."""
+"""Factors to us and um/us^2, by unit."""
 
 Hash = Annotated[
     str,
@@ -28,11 +28,12 @@ Hash = Annotated[
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
-    """Read a recorded shock, which keeps its duration; N scales its largest acceleration.
+    """Read a recorded shock; it keeps its duration, and N scales its largest acceleration.
 
     path: CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
         `time (ms),acceleration (g)`
     sha256: expected hash of the file, 64 hexadecimal digits; empty for any
+    Raises ValueError, one line with the path, for a file that is no such record.
 
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0
@@ -45,4 +46,4 @@ def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
         if not is_name(path.stem):
             raise ValueError(f"its name stands in tables; rename it, in {NAME}")
         pulse = sampled(time, acceleration, path.stem)
-        return replace(pulse, peak=abs(acceleration).max(), given={"file": str(path)})
+        return replace(pulse, peak=abs(acceleration).max(), section={"file": str(path)})

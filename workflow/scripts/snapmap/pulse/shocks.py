@@ -1,4 +1,4 @@
-"""The shocks of a study: its pulses and their directions, as Python or a config gives them."""
+"""The shocks of a study, pulses and directions, made from arguments in Python or from a config."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,17 +12,17 @@ from .trains import make_drop, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop}
 SECTION = {"shape", *SHARES, *MAKERS, "direction"}
-"""Keys of the section `pulse` of a config, but for a file."""
+"""Keys of the section `pulse` of a config, except a file's."""
 UNITS = {"duration": "us", "wait": "us", "height": "um"}
-"""Units of values in that section; others are shares or have none."""
+"""Units of values in that section; other values are shares or have no unit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shocks:
-    """The pulses of a study.
+    """The pulses of a study and their directions; several of either are an axis.
 
-    pulse: one, or several by name, which then are an axis
-    direction: one of DIRECTIONS, or several, which then are an axis
+    pulse: a pulse, or several by name
+    direction: one of DIRECTIONS, or several
     """
 
     pulse: Pulse | Mapping[str, Pulse] = field(default_factory=make_pulse)
@@ -30,25 +30,25 @@ class Shocks:
 
     @property
     def shapes(self) -> dict[str, Pulse]:
-        """All its pulses by name."""
+        """All pulses by name, as before a direction is applied."""
         several = isinstance(self.pulse, Mapping)
         return dict(self.pulse) if several else {self.pulse.name: self.pulse}
 
     @property
     def directions(self) -> tuple[str, ...]:
-        """All directions."""
+        """All directions, also a single one."""
         return (self.direction,) if isinstance(self.direction, str) else self.direction
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
-        """Names on its axes, `shape` and `direction`."""
+        """Names along the axes `shape` and `direction`, where the study has them."""
         named = {"shape": self.pulse, "direction": self.direction}
         several = {key: names for key, names in named.items() if isinstance(names, Mapping | tuple)}
         return {key: np.array([*names]) for key, names in several.items()}
 
     @property
     def pulses(self) -> tuple[Pulse, ...]:
-        """A pulse for each point of its axes, in order."""
+        """A pulse for each point of the axes, shapes first, with the sign of its direction."""
         return tuple(
             pulse if DIRECTIONS[direction] > 0 else pulse.reversed()
             for pulse in self.shapes.values()
@@ -56,7 +56,7 @@ class Shocks:
         )
 
     def each(self) -> list["Shocks"]:
-        """Each point of its axes alone, in the order of `pulses`."""
+        """Split into shocks without axes, in the order of `pulses`."""
         return [
             Shocks(replace(pulse, name=name), direction)
             for name, pulse in self.shapes.items()
@@ -64,25 +64,25 @@ class Shocks:
         ]
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Shocks":
-        """Keep the points of these names on its axes."""
+        """Keep these names along the axes."""
         shapes = {name: self.pulse[name] for name in names.get("shape", ())}
         return Shocks(shapes or self.pulse, tuple(names.get("direction", ())) or self.direction)
 
     def first(self) -> "Shocks":
-        """The first shape in the first direction."""
+        """Keep the first shape in the first direction."""
         return Shocks(next(iter(self.shapes.values())), self.directions[0])
 
     def own_frequency(self) -> float:
-        """Give f0, Hz, of recorded shocks that last equally long; else ValueError, one line."""
+        """Return 1/duration, Hz, of shocks that last equally long; else ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}
         if durations == {None} or len(durations) > 1:
             raise ValueError("f0: missing; write frequencies in Hz, or a duration")
         return 1e6 / durations.pop()
 
     def section(self) -> dict:
-        """Write the section `pulse` of a config, with units; nothing for the handout's pulse."""
+        """Write the section `pulse` of a config, with units; {} for HANDOUT_SHOCK."""
         several = isinstance(self.pulse, Mapping)
-        section = {"shape": [*self.shapes]} if several else _written(self.pulse.given)
+        section = {"shape": [*self.shapes]} if several else _written(self.pulse.section)
         section = {} if section == {"shape": VERSED_SINE} else section
         if self.direction != "+z":
             both = self.directions == tuple(DIRECTIONS)
@@ -91,24 +91,23 @@ class Shocks:
 
 
 HANDOUT_SHOCK = Shocks()
-"""A versed sine along +z."""
+"""A versed sine along +z, the default."""
 
 
 def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
-    """Make what `pulse` and `direction` mean in Python and in a config; ValueError, one line.
+    """Make shocks of `pulse` and `direction` as in Python and in a config; ValueError, one line.
 
-    pulse: a shape by name; a `Pulse`, as `read_pulse` gives it; a mapping as the section `pulse` of
-        a config, in internal units, such as {"train": ...}; or several of these, in a list or by
-        names of their own, which then are an axis
+    pulse: name of a shape; a `Pulse`; a mapping as the section `pulse` of a config, in internal
+        units, such as {"train": ...}; or several as an axis, in a list or by names
     direction: "+z", "-z", several, or "both"
     """
     if isinstance(pulse, Mapping) and pulse.keys() <= SECTION:
         pulse = dict(pulse)
         direction = pulse.pop("direction", direction)
         if isinstance(names := pulse.get("shape"), list | tuple):
-            # Shares are the trapezoid's; without one they are refused at the first.
-            of = "trapezoid" if "trapezoid" in names else names[0]
-            pulse = [pulse | {"shape": name} if name == of else name for name in names]
+            # Shares belong to the trapezoid; without one the first shape refuses them.
+            bearer = "trapezoid" if "trapezoid" in names else names[0]
+            pulse = [pulse | {"shape": name} if name == bearer else name for name in names]
     direction = tuple(DIRECTIONS) if direction == "both" else direction
     direction = direction if isinstance(direction, str) else tuple(direction)
     if isinstance(pulse, list | tuple):
@@ -124,7 +123,7 @@ def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
 
 
 def _pulse(section):
-    """Make one pulse of a section, a shape by name, or what is a pulse already."""
+    """Make a pulse of a section of a config or the name of a shape; leave a Pulse as it is."""
     if isinstance(section, Pulse):
         return section
     section = {"shape": section} if isinstance(section, str) else section
@@ -138,7 +137,7 @@ def _pulse(section):
 
 
 def _written(section):
-    """Write a section of a pulse, or a value in it, with units."""
+    """Write a section of a pulse, or a value in it, as in a config: with units."""
     if isinstance(section, list | tuple):
         return [*map(_written, section)]
     if not isinstance(section, Mapping):

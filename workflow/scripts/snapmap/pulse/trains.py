@@ -1,4 +1,4 @@
-"""Trains of blows, drops with rebound: pulses made of several, of a duration of their own."""
+"""Trains of blows, and drops with rebound: pulses of several parts and of known duration."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,21 +9,22 @@ import numpy as np
 from .options import take_pulse
 from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse
 
-# ASSUME: a blow that ends with a jump falls to rest within this share of its duration, straight.
+# ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
 GRAVITY = 9.80665e-6
-"""Of a free fall, um/us^2."""
-# ASSUME: a rebound below this share of the first impact's velocity is none.
+"""Acceleration of a free fall, um/us^2."""
+# ASSUME: rebounds below this share of the first impact's velocity are left out.
 LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
 
 
 class Part(NamedTuple):
-    """A blow, or the wait or flight between two.
+    """A blow, or the wait or flight between two; its values are in units of N = 1.
 
-    pieces: as in `numerics.pieces`, over us from its begin; lasts: us
-    peak: 0 where it is no blow; area: integral over us, in units of N = 1
-    swing: duration of its fastest change, us
+    pieces: as in `numerics.pieces`, over time from the part's begin, us
+    lasts: us; area: integral over time, us
+    peak: 0 for a part that is no blow
+    swing: duration of the fastest change, us
     """
 
     pieces: np.ndarray
@@ -34,11 +35,11 @@ class Part(NamedTuple):
 
 
 def make_train(items: Sequence[Mapping]) -> Pulse:
-    """Make a pulse of blows; its peak is that of its strongest.
+    """Make a pulse of blows; its peak is that of the blow with the largest one.
 
-    items: each a blow {shape, N, duration (us), rise, fall}, N being its peak over those of others,
-        below 0 the other way; {wait: us}; or {repeat: how often all before it comes in all}
-    Raises ValueError, one line.
+    items: blows {shape, N, duration (us), rise, fall}, whose peaks are in the ratio of N, negative
+        for the other direction; {wait: us}; {repeat: how often all before it comes, in total}
+    Raises ValueError, one line, for other items or too many.
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
         raise ValueError("pulse.train: is not a list of blows, waits and repeats")
@@ -60,12 +61,12 @@ def make_train(items: Sequence[Mapping]) -> Pulse:
 
 
 def make_drop(drop: Mapping) -> Pulse:
-    """Make a pulse of a free fall from rest, its blow, and every flight and blow of the rebound.
+    """Make a pulse of a free fall from rest, a blow, and the flights and blows of its rebounds.
 
-    drop: height (um), duration (us) and shape of each blow, rise, fall; rebound: velocity after
-        over before a blow, from 0 to 0.99, 0 if left out
-    The blow of a fall to v changes the velocity by (1 + rebound) v; the pulse's own_N follows.
-    Raises ValueError, one line.
+    drop: height (um); duration (us), shape, rise and fall of each blow; rebound: velocity after
+        over that before a blow, from 0 to 0.99, by default 0
+    A blow at velocity v changes it by (1 + rebound) v, from which `own_N` follows.
+    Raises ValueError, one line, for another mapping or a blow below 1 g.
     """
     drop = take_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
     rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * GRAVITY * drop["height"])
@@ -73,7 +74,7 @@ def make_drop(drop: Mapping) -> Pulse:
     own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
     if own_N < 1:
         raise ValueError(f"pulse.drop: its blow has only {own_N:.2g} g; write a shorter duration")
-    # Free fall over the peak; where it ends with a jump, that is small beside the blow's.
+    # In free fall the frame accelerates by -g; the jump at its end is small beside the blow.
     lasts, level, share = velocity / GRAVITY, -1 / own_N, 1.0
     parts = [_flat(lasts, level), _blow(**blow)]
     while (share := share * rebound) >= LEAST_REBOUND:
@@ -83,24 +84,24 @@ def make_drop(drop: Mapping) -> Pulse:
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
-    """Make a blow; where its shape ends with a jump, a line joins it to rest."""
+    """Make a blow; if its shape ends with a jump, a line brings it back to 0."""
     pulse = make_pulse(shape, **shares)
     pieces = pulse.pieces * [duration, N, N / duration, 1 / duration, N, N]
     area, jump, join = N * pulse.area * duration, N * pulse.ends[1], JOIN * duration
     if not jump:
         return Part(pieces, duration, abs(N), area, duration)
     pieces = np.vstack([pieces, [duration, jump, -jump / join, 0.0, 0.0, 0.0]])
-    # Steps that are as long as the line would miss a part of its area.
+    # Time steps as long as the line would miss a part of its area.
     return Part(pieces, duration + join, abs(N), area + jump * join / 2, 10 * join)
 
 
 def _flat(lasts, value):
-    """Make a part of one value, in units of N = 1, that lasts so many us."""
+    """Make a part of constant value, in units of N = 1, that lasts so many us."""
     return Part(np.array([[0.0, value, 0.0, 0.0, 0.0, 0.0]]), lasts)
 
 
 def _joined(name, parts, section, **others):
-    """Make a pulse of parts, one after another, whose peak is the greatest of theirs."""
+    """Make a pulse of consecutive parts; its peak is their largest."""
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
     if not blows.any():
@@ -114,7 +115,7 @@ def _joined(name, parts, section, **others):
         name,
         _scaled(pieces, lasts, peak),
         lasts,
-        given={name: section},
+        section={name: section},
         blows=begins[:-1][blows] / lasts,
         swing=min(part.swing for part in parts) / lasts,
         strongest=Pulse("blow", alone, best.lasts, swing=best.swing / best.lasts),
@@ -123,7 +124,7 @@ def _joined(name, parts, section, **others):
 
 
 def _scaled(pieces, lasts, peak):
-    """Scale pieces over us to those of a pulse, over x from 0 to 1 and of peak 1."""
+    """Scale pieces over time, us, to pieces of a pulse, over x from 0 to 1 and with peak 1."""
     scaled = pieces * [1.0, 1 / peak, lasts / peak, lasts, 1 / peak, 1 / peak]
     scaled[:, 0] /= lasts
     return scaled

@@ -70,7 +70,7 @@ def _with_shocks(view, study):
     """A map with the required shocks, and whether each has the pulse of the map's cells."""
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
-    of_map = shape.given, direction, study.settings.start
+    of_map = shape.section, direction, study.settings.start
     marks = [mark for marks in gather("marks", study).values() for mark in marks]
     required = [(name, f0, N, of_map in pushed) for name, f0, N, pushed in marks]
     return view._replace(required_shocks=tuple(required))

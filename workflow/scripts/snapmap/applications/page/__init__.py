@@ -15,7 +15,7 @@ def figures(study):
     marks, start = gather("marks", study).values(), study.settings.start
     each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
     required = [
-        (name, f0, N, [(p.name, way) for p, way in each if (p.given, way, start) in pushed])
+        (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
         for shocks in marks
         for name, f0, N, pushed in shocks
     ]

@@ -60,7 +60,7 @@ def marks(study):
     for required in shocks_of(study):
         start = required.get("start", FIRST)
         shocks = required["shocks"].each()
-        pushed = [(shock.pulse.given, shock.direction, start) for shock in shocks]
+        pushed = [(shock.pulse.section, shock.direction, start) for shock in shocks]
         yield required["name"], required["f0"], required["N"], pushed
 
 
