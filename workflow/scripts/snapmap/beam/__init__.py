@@ -1,1 +1,1 @@
-"""Discretisations of the clamped beam, one file each; every one returns a `Basis`."""
+"""The clamped beam: discretisations, each a `Basis`; its modes, equilibria, limit loads, stress."""

@@ -1,4 +1,4 @@
-"""The common form of every discretisation: eq. (4) as matrices over its deflections."""
+"""The common form of all discretisations: eq. (4) as matrices over n clamped shapes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,29 +8,29 @@ import numpy as np
 from ..device.device import Beam
 
 PLACES = 5
-"""Number of places at which curvature is taken: 0, L/4, L/2, 3L/4 and L."""
+"""Number of places at which curvature is evaluated: 0, L/4, L/2, 3L/4 and L."""
 
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Matrices of the whole beam (twice the half beam's) over n clamped shapes.
+    """Matrices of a whole beam whose span L, rise, rho A and EI are 1, over n clamped shapes w~.
 
-    They are symmetric and, of a beam that is free to tilt, antisymmetric ones; no matrix couples
-    these. Of a beam whose span L, rise, rho A and EI are 1; `scaled_to` gives those of another.
+    The shapes are symmetric; a beam that is free to tilt has as many antisymmetric ones beside
+    them, and no matrix couples both kinds. `scaled_to` gives the matrices of another beam.
 
     mass: (n, n), rho A w w~, in rho A L
     bending: (n, n), EI w'' w~'', in EI/L^3
     geometric: (n, n), w' w~', in 1/L
     load: (n,), rho A w~, in rho A L
     midpoint: (n,), w~(L/2)
-    start: (n,), the stress-free shape w0 of a cosine, in the rise
-    project: the a_n of shapes, (..., TERMS) as in `device/shape.py`, -> their starts, (..., n)
-    tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 of a guided beam
-    curvature: (PLACES, n), w~'' there, in 1/L^2
-    flexibility: axial force N (in EI/L^2) -> static deflection of the midpoint per force there
-        (in L^3/EI)
-    bent: likewise -> static w'' at the PLACES per force on the midpoint (in L/EI)
-    complete: whether flexibility and bent are those of the n shapes; else of the exact beam
+    start: (n,), coordinates of the stress-free cosine w0, in the rise
+    project: maps the a_n of shapes as made, (..., TERMS), to their coordinates, (..., n)
+    tilt: (n,), the first antisymmetric shape, its largest displacement 1; 0 for a guided beam
+    curvature: (PLACES, n), w~'' at the PLACES, in 1/L^2
+    flexibility: maps an axial force N, in EI/L^2, (...), to the static deflection of the midpoint
+        per force on it, in L^3/EI, (...)
+    bent: maps N likewise to the static w'' at the PLACES per force on the midpoint, in L/EI
+    complete: whether flexibility and bent are those of the n shapes, not of the exact beam
     """
 
     mass: np.ndarray
@@ -47,7 +47,7 @@ class Basis:
     complete: bool
 
     def scaled_to(self, beam: Beam) -> "Basis":
-        """Give the same shapes for a beam as made: ng, uN/um, 1/um, um and um/uN; N in uN."""
+        """Return the basis of a beam as made, in ng, uN/um, 1/um, um and um/uN, with N in uN."""
         unit_force, square = beam.stiffness_unit * beam.span, beam.span * beam.span
         return replace(
             self,
@@ -63,6 +63,6 @@ class Basis:
 
 
 def block_diagonal(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Build the matrix of two square blocks of one size."""
+    """Build the block diagonal matrix of two square matrices of one size."""
     zeros = np.zeros(a.shape)
     return np.block([[a, zeros], [zeros, b]])

@@ -12,19 +12,19 @@ from .basis import Basis, block_diagonal
 from .cosines import antisymmetric_loads
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
-"""N_i as polynomials of 0 <= xi <= 1, lowest power first; slopes count h."""
+"""The N_i as polynomials of 0 <= xi <= 1, lowest power first; those of slopes are over h."""
 SYMMETRIC, ANTISYMMETRIC = -1, -2
-"""Which unknown at the midpoint, of (W, Phi), is fixed there: Phi, or W."""
+"""Index of the unknown, of (W, Phi) at the midpoint, that symmetry fixes there: Phi, or W."""
 
 
 @cache
 def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
     """Assemble `elements` uniform Hermite elements of the half beam: 2 elements - 1 unknowns.
 
-    Unknowns are (W, Phi) at each node but those fixed: W = Phi = 0 at the clamp, Phi = 0 at L/2;
-    Phi = dw/d(x/L).
-    free: whether the half beam's antisymmetric motions, W = 0 at L/2, are appended; both together
-        are those of the whole beam of twice as many elements
+    Unknowns are W and Phi = dw/d(x/L) at each node, except W = Phi = 0 at the clamp and Phi = 0 at
+    the midpoint.
+    free: whether antisymmetric motions, with W = 0 at the midpoint, are appended; both kinds
+        together are the motions of a whole beam of twice as many elements
     """
     h, none = 1 / (2 * elements), np.zeros(2 * elements - 1)
     parts = [_integrals(order, h) for order in (2, 1, 0)]
@@ -61,18 +61,18 @@ def hermite_elements(elements: int = 5, free: bool = False) -> Basis:
 
 
 def _integrals(order, h):
-    """Integrate over an element the products of the N_i, each derived `order` times, (4, 4)."""
+    """Integrate products of the order-th derivatives of the N_i over an element, (4, 4)."""
     c, sizes, scale = HERMITE, np.array([1.0, h, 1.0, h]), h
     for _ in range(order):
         c, scale = c[:, 1:] * np.arange(1, c.shape[1]), scale / (h * h)
     n = np.arange(c.shape[1])
-    # 420 divides by all up to 7: the sums are of whole numbers.
+    # 420 is a multiple of 1 to 7, so the sums are of whole numbers.
     sums = multiply(multiply(c, 420 // (n[:, np.newaxis] + n + 1)), c.T)
     return sums * outer(sizes, sizes) / 420 * scale
 
 
 def _assemble(elements, part, fixed):
-    """Sum one element's matrix or vector over the half beam, drop the fixed unknowns, double."""
+    """Sum an element's matrix or vector over the half beam, drop fixed unknowns, and double it."""
     full = np.zeros([2 * elements + 2] * part.ndim)
     for i in range(0, 2 * elements, 2):
         full[(slice(i, i + 4),) * part.ndim] += part
@@ -81,7 +81,7 @@ def _assemble(elements, part, fixed):
 
 
 def _curvature(elements, fixed):
-    """Give w'' at the PLACES of the unknowns left, the mean of both sides where it jumps."""
+    """Return w'' at the PLACES per free unknown: at a node, the mean of both sides."""
     h, mirrored = 1 / (2 * elements), 1 if fixed == SYMMETRIC else -1
     begins, ends = np.array([[-6, -4 * h, 6, -2 * h], [6, 2 * h, -6, 4 * h]]) / (h * h)
     half = np.zeros((elements, 2, 2 * elements + 2))
@@ -95,7 +95,7 @@ def _curvature(elements, fixed):
 
 
 def _interpolate_start(elements):
-    """Give the nodal values and slopes of w0, eq. (1): hence exactly stress-free."""
+    """Return nodal values and slopes of w0, eq. (1), which hence is exactly stress-free."""
     nodal = []
     for node in range(elements + 1):
         quarter, half = (sine(node / elements / parts) for parts in (4, 2))
@@ -104,11 +104,11 @@ def _interpolate_start(elements):
 
 
 def _projection(elements, geometric, free):
-    """Make `Basis.project`: least squares of the slopes, with none of the antisymmetric shapes."""
+    """Make `Basis.project`: least squares of the slopes, by symmetric shapes alone."""
 
     @cache
     def cosines():
-        """Coordinates of the phi_n / 2, (unknowns, TERMS)."""
+        """Return the coordinates of the phi_n / 2, (unknowns, TERMS)."""
         h = 1 / (2 * elements)
         x, weights, slopes = slope_products(np.arange(elements + 1) * h)
         share = x / h - np.arange(elements)[:, np.newaxis]
@@ -119,7 +119,7 @@ def _projection(elements, geometric, free):
         full = np.zeros((2 * elements + 2, parts.shape[-1]))
         for i in range(elements):
             full[2 * i : 2 * i + 4] += parts[i]
-        # Twice the half beam, of halves of the cosines.
+        # The factors 2, for both halves of the beam, and 1/2, of phi_n / 2, cancel.
         symmetric = solve_all(geometric, np.delete(full, [0, 1, len(full) + SYMMETRIC], axis=0))
         return np.concatenate([symmetric, 0 * symmetric]) if free else symmetric
 
@@ -127,7 +127,7 @@ def _projection(elements, geometric, free):
 
 
 def _interpolate_tilt(elements):
-    """Give those of psi_1, its largest displacement 1; see `buckling_shapes`."""
+    """Return nodal values and slopes of psi_1 with largest displacement 1 (`buckling_shapes`)."""
     (mu,) = antisymmetric_loads(1)
     tangent = mu / 2
     nodal = []

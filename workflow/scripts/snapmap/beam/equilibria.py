@@ -1,12 +1,12 @@
-"""Equilibria of the beam under slow loads: the branches of a path, and the barrier between shapes.
+"""Equilibria of the beam under slow loads, and the energy barrier between its two shapes.
 
-In buckling modes v_j (kappa v_j = N_j S v_j, v_j.S v_j = 1) equilibrium under a force P on the
-midpoint and an acceleration a of the frame reads, with s_j = v_j.S q0,
+Let v_j be the buckling modes (kappa v_j = N_j S v_j, v_j.S v_j = 1) and s_j = v_j.S q0. Under a
+force P on the midpoint and an acceleration a of the frame the beam is in equilibrium if
 
     (N_j - N) c_j = N s_j - f_j a - e_j P,    N = -EA/2L sum (c_j^2 + 2 c_j s_j).
 
-For a given N the load is a root of a quadratic: one belongs to the path from the first shape to the
-largest N, the other, farther along, to the path on from there.
+For a given N the load, a or P, solves a quadratic equation. One root lies on the path from the
+first shape to the largest N, the other on the path onwards from there.
 """
 
 from typing import NamedTuple
@@ -21,13 +21,15 @@ from .cosines import buckling_shapes, symmetric_cosines
 from .modal import ModalBeam, UnitBeams, buckling, column, halfway, unit_beams
 
 COSINES = 40
-"""Symmetric shapes in which equilibria are sought, and as many others of a free beam."""
+"""Number of symmetric shapes for equilibria; a free beam has as many antisymmetric ones."""
 
 
 class BucklingModes(NamedTuple):
-    """A beam in its buckling modes: N_j, s_j, f_j and e_j, (modes, 1); EA/2L; flexibility.
+    """A beam in its buckling modes; for a batch all have one more axis in front, (devices, ...).
 
-    Of a batch all have one more axis, in front.
+    buckling: N_j, uN, (modes, 1); start: s_j, (modes, 1), um^0.5
+    load: f_j, ng um^0.5, (modes, 1); midpoint: e_j, um^0.5, (modes, 1)
+    axial: EA/2L, uN/um; residual: static flexibility of the modes left out, um/uN
     """
 
     buckling: np.ndarray
@@ -39,14 +41,14 @@ class BucklingModes(NamedTuple):
 
 
 def shapes_of(beam: Beam) -> Basis:
-    """Give the basis of a beam's equilibria: COSINES shapes of each kind that the beam takes."""
+    """Return the basis for equilibria: COSINES shapes of each kind that the beam can take."""
     return buckling_shapes(COSINES) if np.any(beam.free) else symmetric_cosines(COSINES)
 
 
 def buckling_modes(beam: Beam) -> BucklingModes:
-    """Expand a beam in COSINES buckling modes, twice as many if it is free to tilt.
+    """Expand a beam in COSINES buckling modes, or twice as many if it is free to tilt.
 
-    A batch is of guided beams or of free ones.
+    A batch must be of guided beams only, or of free ones only.
     """
     beams = unit_beams(basis := shapes_of(beam), beam)
     T, q = beams.at_rest
@@ -72,9 +74,9 @@ def buckling_modes(beam: Beam) -> BucklingModes:
 
 
 def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """c = constant + slope P under a force P (uN) on the midpoint, each (..., modes, n).
+    """Return constant and slope, (..., modes, n), of c = constant + slope P.
 
-    N: (..., n), uN
+    P is a force on the midpoint, uN; N: axial force, uN, (..., n)
     """
     N = N[..., np.newaxis, :]
     soft = 1 / (modes.buckling - N)
@@ -82,14 +84,14 @@ def push(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def alone(modes: BucklingModes, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """c = constant + slope a under the load of the pulse alone, as `push`."""
+    """Return constant and slope, as `push` does, of c under the pulse alone, a in place of P."""
     return push(modes._replace(midpoint=modes.load), N)
 
 
 def roots(
     modes: BucklingModes, N: np.ndarray, constant: np.ndarray, slope: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Both loads x, (..., n), at which c = constant + slope x stretches the beam to N; or NaN."""
+    """Find both loads x, (..., n), at which c = constant + slope x makes the force N; or NaN."""
     axial = np.asarray(modes.axial)[..., np.newaxis]
     square = axial * np.sum(slope**2, axis=-2)
     half = axial * np.sum(slope * (constant + modes.start), axis=-2)
@@ -100,21 +102,20 @@ def roots(
 
 
 def displacement(modes: BucklingModes, c: np.ndarray) -> np.ndarray:
-    """How far the midpoint of the kept modes has moved from the first shape, um, (..., n).
+    """Return how far the midpoint has moved from the first shape to the second, um, (..., n).
 
-    c: (..., modes, n)
+    c: coordinates from the first shape, (..., modes, n)
     """
     return -np.sum(modes.midpoint * c, axis=-2)
 
 
 class Barrier(NamedTuple):
-    """The lowest pass between the two stable shapes; numbers, or arrays (devices,).
+    """The lowest saddle between the two stable shapes; numbers, or arrays (devices,).
 
-    energy: of the beam there, above its shape at rest, pJ
-    midpoint: w(L/2) there, from that at rest, um
-    second: w(L/2) in the second shape, um; of a beam that has none because it is free to tilt, that
-        of a guided one
-    first: w(L/2) in the shape at rest, um
+    energy: at the saddle, above the beam at rest in its first shape, pJ
+    midpoint: w(L/2) at the saddle minus that at rest, um
+    second: w(L/2) in the second shape, um; that of the guided beam if tilting leaves none
+    first: w(L/2) in the first shape, at rest, um
     """
 
     energy: Value
@@ -124,12 +125,12 @@ class Barrier(NamedTuple):
 
 
 def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
-    """Find the lowest equilibrium that is no minimum: every way out of a well passes as high.
+    """Find the lowest saddle of the energy of a beam in some modes of a basis; None keeps all.
 
-    Below its energy each well is closed, and w(L/2) on either side of its midpoint tells which
-    well the beam is in: among all shapes with that midpoint none has less energy than the saddle.
-    A model that has no stable second shape has a barrier of energy 0: one too coarse, close to
-    Q = 4/sqrt(3), or a beam that is free to tilt out of it.
+    Every way out of a well leads at least as high. Below that energy the wells are separate, and
+    w(L/2) compared with the saddle's tells which well the beam is in, as no shape with the saddle's
+    midpoint has less energy. The energy is 0 if the model has no stable second shape: if it is too
+    coarse, close to Q = 4/sqrt(3), or if the beam is free to tilt out of it.
     """
     beams, rise = unit_beams(basis, beam), beam.made_rise
     modal, saddle, second_rest = saddle_and_second(beams, modes)
@@ -148,7 +149,7 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
 def saddle_and_second(
     beams: UnitBeams, modes: int | None
 ) -> tuple[ModalBeam, np.ndarray, np.ndarray]:
-    """Give the form of unit beams, and its modes p at the saddle and in the second shape."""
+    """Return the modal form of unit beams, and p, (beams, k), at the saddle and second shape."""
     modal = beams.form(modes)
     stiffness = modal.stiffness[..., np.newaxis] * np.eye(modal.stiffness.shape[-1])
     loads, shapes = eigh(stiffness, modal.geometric)
@@ -159,14 +160,14 @@ def saddle_and_second(
 
 
 class Rest(NamedTuple):
-    """The second shape of a form at rest: its modes, (..., k), um ng^0.5; its energy, pJ."""
+    """The second shape at rest: modes p, (..., k), um ng^0.5; energy above the first shape, pJ."""
 
     modes: np.ndarray
     energy: Value
 
 
 def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
-    """Find where a beam rests in its second shape, measured from the first; NaN if it has none."""
+    """Find where a beam rests in its second shape, from the first one; NaN if it has none."""
     beams, rise = unit_beams(basis, beam), beam.made_rise
     modal, _, p = saddle_and_second(beams, modes)
     energy = _unit_energy(modal, beams.axial, p)[beams.index]
@@ -177,7 +178,7 @@ def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
 
 
 def require_rest(rest: Rest) -> None:
-    """Raise ValueError, one line, if a beam does not stay in its second shape, where it rests."""
+    """Raise ValueError, one line, if a beam has no stable second shape to start from."""
     if not np.isfinite(rest.energy).all():
         raise ValueError(
             "start: second needs a guided beam, as a beam free to tilt does not stay there; write "
@@ -186,7 +187,7 @@ def require_rest(rest: Rest) -> None:
 
 
 def _unit_energy(modal, axial, p):
-    """Energy of a form in modes p above that at rest, in EI rise^2/L^3."""
+    """Return the energy of unit beams in modes p, above that at rest, in EI rise^2/L^3."""
     slope = apply(modal.geometric, p) + modal.slope_start
     N = -axial * dot(p, slope + modal.slope_start)
     return dot(p, modal.stiffness * p) / 2 + N * N / (4 * axial)

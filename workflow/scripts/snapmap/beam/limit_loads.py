@@ -1,4 +1,4 @@
-"""Slow loads that leave no equilibrium: where the paths of a beam that is pushed end."""
+"""The largest slow loads: beyond them a path of equilibria ends, and the beam snaps."""
 
 from collections.abc import Callable
 from functools import partial
@@ -11,18 +11,18 @@ from .equilibria import BucklingModes, alone, buckling_modes, displacement, push
 from .modal import column, contact_stiffness, first_midpoint, pulse_load
 
 POINTS = (100, *[12] * 9)
-"""Points of a search, and of each that follows it between neighbours of the point it found."""
+"""Number of points of a first search, and of each finer one between neighbours of the last hit."""
 PATH_END = 2.0
-"""The place on a path up to which it is followed: N has grown to its largest at 1, and fallen."""
+"""Place at which a path ends: N grows from 0 at place 0 to its largest at 1, and is 0 at 2."""
 BLOCK = 16
-"""Devices searched together: their data fit into a processor's cache."""
+"""Number of devices searched together, as their data fit into a processor's cache."""
 
 
 class _Pushed(NamedTuple):
-    """Devices under a slow pulse, their values as columns, (devices, 1).
+    """Devices under a slow pulse; all but modes are (devices, 1), in the units of `Device`.
 
-    stiffness: of the contact; stop: how far the mass may travel towards the beam; travel: how far
-        the midpoint does to the second shape, um
+    stiffness: of the contact, with the residual flexibility of the modes
+    stop: travel of the mass towards the beam, um; travel: of the midpoint to the second shape, um
     """
 
     modes: BucklingModes
@@ -39,15 +39,15 @@ class _Pushed(NamedTuple):
 
 
 def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
-    """Lowest N, in multiples of g, whose lasting acceleration leaves no equilibrium to rest in.
+    """Find the lowest N whose lasting acceleration leaves no equilibrium; a number, or (devices,).
 
-    That is the first maximum on the path, or where the beam leaves the mass to snap by itself. A
-    mass on its stop holds the midpoint no farther than there, until the beam leaves it by its own
-    inertia. A beam that leaves the mass where it could still rest alone, or that the mass does not
-    reach across its gap, goes on to its own first maximum; so does one alone, of whose force on the
-    midpoint N then counts the units.
+    N, in multiples of g, grows slowly along a path of equilibria, which ends at the first maximum
+    of N, or where the beam leaves the mass and snaps by its own inertia. A mass on its stop holds
+    the midpoint at the stop until the beam leaves it. The beam goes on to the first maximum of its
+    own path if it leaves the mass where it can rest without it, if the mass does not reach it
+    across the gap, or if it is alone. With a `force`, N counts units of that force.
 
-    back: from the second shape, by a pull along -z, where the mass goes its own way
+    back: whether the path begins at the second shape, under a pull along -z and without the mass
     """
     if not np.ndim(device.mass):
         return float(np.asarray(static_threshold(batch([device]), back))[0])
@@ -62,7 +62,7 @@ def static_threshold(device: Device, back: bool = False) -> float | np.ndarray:
 
 
 def _collect(device):
-    """Collect what a batch of guided devices, or of free ones, answers a slow pulse by."""
+    """Collect the columns of a batch of guided devices only, or of free ones only."""
     beam, modes = device.beam, buckling_modes(device.beam)
     modes = modes._replace(load=pulse_load(device, modes.load, modes.midpoint))
     travel = first_midpoint(shapes_of(beam), beam) - beam.second_equilibrium
@@ -78,7 +78,7 @@ def _collect(device):
 
 
 def _least_without_rest(devices):
-    """Find the least acceleration that leaves no equilibrium, um/us^2, (devices,)."""
+    """Find the least acceleration that leaves no equilibrium, from the first shape, um/us^2."""
     gap = devices.gap[:, 0]
     reaches, has_stop = gap < np.inf, devices.stop[:, 0] < np.inf
     ends = [
@@ -90,7 +90,7 @@ def _least_without_rest(devices):
         devices, released, lambda part, N: alone(part.modes, N), lambda part, a, w: a < 0
     )
     apart = (gap > 0) & (devices.mass[:, 0] * a_alone < devices.spring[:, 0] * (edge + gap))
-    # What the mass on its spring no longer holds runs on to the stop, which may hold it.
+    # A beam that the mass on its spring no longer holds moves on to the stop, which may hold it.
     least = [
         np.where(np.where(leaves, reached < edge, apart & (a != -np.inf)), a_alone, a)
         for a, reached, leaves in ends
@@ -99,7 +99,7 @@ def _least_without_rest(devices):
 
 
 def _pressed(devices, N):
-    """c = constant + slope a where the mass on its spring presses: e.c - (P - M a)/K - h = P/k."""
+    """Return constant and slope of c, with the mass on the beam: e.c - (P - M a)/K - h = P/k."""
     modes, (constant, slope) = devices.modes, push(devices.modes, N)
     _, sag = alone(modes, N)
     give = 1 / devices.spring + 1 / devices.stiffness + displacement(modes, slope)
@@ -110,18 +110,18 @@ def _pressed(devices, N):
 
 
 def _held(devices, N):
-    """c = constant + slope a where the mass is on its stop, as a rigid wall there."""
+    """Return constant and slope, as `_pressed` does, with the mass on its stop, a rigid wall."""
     return _pressed(devices._replace(mass=0.0, spring=np.inf, gap=devices.gap - devices.stop), N)
 
 
 def _is_left(devices, a, reached):
-    """Whether the midpoint is ahead of the mass by itself, once that has touched it."""
+    """Return whether the midpoint has left the mass behind, at a place after they have touched."""
     behind = devices.mass * a < devices.spring * (reached + devices.gap)
     return behind & np.logical_or.accumulate(~behind, axis=-1)
 
 
 def least_back(modes: BucklingModes) -> np.ndarray:
-    """Find the pull at the first minimum of a that is met from beyond the second shape."""
+    """Find the pull, um/us^2, at the first minimum of a on the path from the second shape."""
     loaded = partial(alone, modes)
 
     def path(largest, places):
@@ -133,9 +133,9 @@ def least_back(modes: BucklingModes) -> np.ndarray:
 
 
 def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.ndarray:
-    """Largest N below the limit up to which the two roots exist, uN, (...).
+    """Find the largest N below a limit, uN, (...), up to which both roots exist.
 
-    loaded: gives constant and slope of c for N, as `push` does
+    loaded: maps N to constant and slope of c, as `push` does
     """
     low, high = np.zeros(np.shape(limit)), np.asarray(limit)
     for points in POINTS:
@@ -148,12 +148,12 @@ def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.nd
 
 
 def _ends(devices, which, loaded, is_left):
-    """Find the first maximum of a on each path, its end, or where the midpoint leaves the mass.
+    """Find where each path ends: at a maximum of a, the second shape, or where `is_left` holds.
 
-    which: mask of the devices that are searched, (devices,)
-    loaded: gives constant and slope of c for devices and N; is_left: tells for which points of a
-        path this holds, from devices, a and the midpoint's displacement there
-    Returns a, -inf of others, the midpoint's displacement, and whether the mass is left there.
+    which: mask of the devices to search, (devices,)
+    loaded: maps devices and N to constant and slope of c
+    is_left: maps devices, a and the midpoint's displacement to whether the beam leaves the mass
+    Returns a, -inf for other devices, the midpoint's displacement, and `is_left` there; (devices,)
     """
     a, reached, leaves = np.full(which.size, -np.inf), np.zeros(which.size), which & False
     if which.any():
@@ -173,34 +173,34 @@ def _end_of(devices, loaded, is_left):
 
 
 def _first_on_path(modes, loaded, begin, end, path):
-    """Zoom in on the first place from `begin` to `end` that is sought, and give what is there.
+    """Zoom in on the first place between two at which a condition holds; return the values there.
 
-    path: gives, for the largest N and for places, (..., points), whether each is sought, and values
+    path: maps the largest N and places, (..., points), to the condition and values, (..., points)
     """
     largest = largest_force(modes, loaded, modes.buckling[..., 1, 0])
     begin, end = np.full(largest.shape, begin), np.full(largest.shape, end)
     for points in POINTS:
         places = np.linspace(begin, end, points, axis=-1)
-        sought, *values = path(largest, places)
-        first = np.argmax(sought, axis=-1)
+        holds, *values = path(largest, places)
+        first = np.argmax(holds, axis=-1)
         begin = _at(places, np.maximum(first - 1, 0))
         end = _at(places, np.minimum(first + 1, points - 1))
     return [_at(value, first) for value in values]
 
 
 def _at(values, index):
-    """Pick one of the values, (..., n), by its index, (...)."""
+    """Pick a value, (...), of (..., n), by an index, (...)."""
     return np.take_along_axis(values, index[..., np.newaxis], -1)[..., 0]
 
 
 def _on_path(modes, loaded, largest, places):
-    """Give a and the midpoint's displacement where N grows to the largest at place 1, then falls.
+    """Return a and the midpoint's displacement at places on a path, (..., points); see PATH_END.
 
-    At 1 itself those of the path from the first shape.
+    Place 1 belongs to the part on which N grows.
     """
     constant, slope = loaded(N := largest[..., np.newaxis] * (1 - (1 - places) ** 2))
     lower, upper = roots(modes, N, constant, slope)
-    # Which root belongs to the path there changes where the loads' direction does.
+    # The roots change parts where the load changes the direction in which it moves the midpoint.
     grows = displacement(modes, slope)
     a = np.where((grows > 0) == (places <= 1), lower, upper)
     return a, displacement(modes, constant) + a * grows

@@ -1,8 +1,8 @@
-"""The beam at rest, and the small form that every discretisation shares: its own modes, a few.
+"""The beam at rest under residual stress, and its reduction to a few modes.
 
-What residual stress makes of the shape as made and of its stiffness: the coordinates at rest in
-buckling modes and the tension T = -N are those of the first shape in `arch`; measured from there
-the beam has the same form with bending + T geometric for its bending.
+Residual stress changes the shape and the stiffness. Coordinates at rest and the tension T = -N are
+those of the first shape in `device.arch`. For displacements from that shape the equations stay the
+same, with bending + T geometric in place of bending.
 """
 
 import math
@@ -19,20 +19,20 @@ from .basis import Basis
 from .elements import hermite_elements
 
 FIRST_LOAD = 4 * np.pi * np.pi
-"""N_1, in EI/L^2."""
+"""First buckling load N_1, in EI/L^2."""
 ELEMENTS = 10
-"""Elements of the half beam for its natural frequency; they leave it 1e-4 too high."""
+"""Elements of the half beam for its natural frequency, which they make 1e-4 too high."""
 
 
 @dataclass(frozen=True, eq=False)
 class UnitBeams:
-    """The distinct beams of a batch, or of one, their span, rise, rho A and EI being 1.
+    """The distinct beams of a batch, scaled such that span, rise, rho A and EI are 1.
 
     Q: rise over thickness, (beams,)
     compression: residual stress over that of buckling, compression positive, (beams,)
     imperfection: over the rise, (beams,)
-    a: of the shapes as made, (beams, TERMS), None if all are cosines
-    index: among them of each beam of the batch, (devices,), or the only one's, a number
+    a: the a_n of the shapes as made, (beams, TERMS); None if all are cosines
+    index: of each device's beam among these, (devices,); a number for a single device
     """
 
     basis: Basis
@@ -44,7 +44,7 @@ class UnitBeams:
 
     @property
     def are_as_made(self) -> bool:
-        """Whether all are cosines without stress and imperfection: one unit form serves them."""
+        """Whether all are cosines without stress and imperfection, and so share one unit form."""
         return self.a is None and not (self.compression.any() or self.imperfection.any())
 
     @property
@@ -63,7 +63,7 @@ class UnitBeams:
 
     @cached_property
     def at_rest(self) -> tuple[np.ndarray, np.ndarray]:
-        """Tension T, in EI/L^2, (beams,), and coordinates, in the rise, (beams, n)."""
+        """Tension T, in EI/L^2, (beams,), and coordinates at rest, in the rise, (beams, n)."""
         stressed = self.compression != 0
         T, q = np.zeros(stressed.size), self.made.copy()
         if stressed.any():
@@ -86,9 +86,9 @@ class UnitBeams:
         return np.where(self.compression == 0, 1.0, shares)
 
     def form(self, modes: int | None) -> "ModalBeam":
-        """Reduce the beams to their lowest modes, in units in which EA/2L is 1, too.
+        """Reduce the beams to their lowest modes, None for all, in units in which EA/2L is 1 too.
 
-        One form serves all that are as made; else each has its own, along an axis in front.
+        If `are_as_made`, all share one form; else each has its own, along a first axis.
         """
         basis, made = self.basis, unit_modes(self.basis, modes)
         if self.are_as_made:
@@ -96,13 +96,13 @@ class UnitBeams:
         T, q = self.at_rest
         stiffness, shapes = eigh(basis.bending + column(T, 2) * basis.geometric, basis.mass)
         stiffness, shapes = stiffness[:, :modes], shapes[..., :modes]
-        # What has no stress has the modes of all others that have none, to the last bit.
+        # All beams without stress have the same modes, to the last bit.
         stiffness[T == 0], shapes[T == 0] = made.stiffness, made.shapes
         return _form(basis, stiffness, shapes, q, T)
 
 
 def unit_beams(basis: Basis, beam: Beam) -> UnitBeams:
-    """Collect the distinct beams of a batch, or of one, on a basis."""
+    """Collect the distinct beams of a batch, or a single beam, on a basis."""
     columns = [beam.bistability, beam.compression, np.divide(beam.imperfection, beam.made_rise)]
     if not beam.is_cosine.all():
         columns += np.moveaxis(beam.cosines, -1, 0).tolist()
@@ -119,13 +119,13 @@ def unit_beams(basis: Basis, beam: Beam) -> UnitBeams:
 
 
 def first_midpoint(basis: Basis, beam: Beam) -> Value:
-    """w(L/2) of a beam at rest in its first shape, um; of a batch, (devices,)."""
+    """Return w(L/2) of a beam at rest in its first shape, um, a number or (devices,)."""
     beams = unit_beams(basis, beam)
     return beam.made_rise * beams.midpoint[beams.index]
 
 
 def settled(basis: Basis, beam: Beam) -> Basis:
-    """Give the basis of one beam whose start is its shape at rest, and whose bending holds T."""
+    """Return the basis of a single beam at rest: it starts there, and T is part of its bending."""
     beams = unit_beams(basis, beam)
     if beams.are_as_made:
         return basis
@@ -136,12 +136,12 @@ def settled(basis: Basis, beam: Beam) -> Basis:
 
 @cache
 def buckling(basis: Basis) -> tuple[np.ndarray, np.ndarray]:
-    """Buckling loads N_j, ascending, in EI/L^2, and modes v_j, the columns, v.geometric v = 1."""
+    """Return buckling loads N_j, in EI/L^2, ascending, and modes, columns v, v.geometric v = 1."""
     return eigh(basis.bending, basis.geometric)
 
 
 class ModalBeam(NamedTuple):
-    """Beam in k mass-normalised modes p of its bending, u = V p measured from its shape at rest.
+    """A beam in k mass-normalised modes p of its bending; u = V p is measured from rest.
 
     p'' = -stiffness p + N (geometric p + slope_start) - load a - midpoint P,
     N = -axial (p.geometric.p + 2 p.slope_start),  w(L/2) = height + midpoint.p - residual P
@@ -152,10 +152,10 @@ class ModalBeam(NamedTuple):
     load: (k,), ng^0.5
     midpoint: (k,), ng^-0.5
     axial: E A / (2 L), uN/um
-    residual: static flexibility of the modes left out, um/uN; 0 when none is
-    shapes: (n, k), V over the basis's n shapes, ng^-0.5
+    residual: static flexibility of the modes left out, um/uN; 0 if none is
+    shapes: (n, k), V over the n shapes of the basis, ng^-0.5
 
-    Of a batch of devices each has one more axis, in front.
+    For a batch each has one more axis in front, (devices, ...).
     """
 
     stiffness: np.ndarray
@@ -169,7 +169,7 @@ class ModalBeam(NamedTuple):
 
 
 def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> ModalBeam:
-    """Give a beam its lowest `modes` modes; None keeps all that the basis has."""
+    """Reduce a beam, or a batch, to its lowest `modes` modes; None keeps all of the basis."""
     beams = unit_beams(basis, beam)
     unit = beams.form(modes)
     if not beams.are_as_made:
@@ -189,15 +189,15 @@ def reduce_to_modes(beam: Beam, basis: Basis, modes: int | None = None) -> Modal
 
 @cache
 def unit_modes(basis: Basis, modes: int | None = None) -> ModalBeam:
-    """The form of all beams as made: K v = kappa M v is solved once."""
+    """Solve K v = kappa M v, once for all beams that are as made; modes: None for all."""
     stiffness, shapes = eigh(basis.bending, basis.mass)
     return _form(basis, stiffness[:modes], shapes[:, :modes], basis.start, np.float64(0))
 
 
 def _form(basis, stiffness, shapes, start, T):
-    """Give the form in modes, which is that of UnitBeams with EA/2L = 1.
+    """Return the modal form of UnitBeams, with EA/2L = 1.
 
-    start: coordinates of the shape at rest, in the rise; T: the tension there, in EI/L^2
+    start: coordinates at rest, in the rise, (..., n); T: tension at rest, in EI/L^2, (...)
     """
     back = shapes.swapaxes(-1, -2)
     slopes = multiply(back, basis.geometric)
@@ -214,44 +214,43 @@ def _form(basis, stiffness, shapes, start, T):
 
 
 def pulse_load(device: Device, load: np.ndarray, midpoint: np.ndarray) -> np.ndarray:
-    """The load of the device's pulse: of the frame, or of a force on the midpoint.
+    """Return the load of the device's pulse, which shakes the frame or pushes the midpoint.
 
-    load, midpoint: those of a form of the beam
+    load, midpoint: those of a basis or a modal form of the beam, whose shape the result has
     """
     if not np.any(device.force):
         return load
-    # ASSUME: the modes left out do not yield to a force that is the pulse; it is far below theirs.
+    # ASSUME: a pulse that pushes is far slower than the modes left out, which do not yield to it.
     share = column(np.divide(device.force, device.gravity), np.ndim(load) - np.ndim(device.force))
     return np.where(share, share * midpoint, load)
 
 
 def halfway(tension: np.ndarray) -> np.ndarray:
-    """Axial force half way between the beam at rest, of some tension, and the saddle, in EI/L^2."""
-    # ASSUME: softened by it the modes left out follow the contact force statically.
+    """Return N half way from the beam at rest, under some tension, to the saddle, in EI/L^2."""
+    # ASSUME: softened by this N, the modes left out follow the contact force statically.
     return 8 * math.pi * math.pi - tension / 2
 
 
 def contact_stiffness(device: Device, residual: Value) -> Value:
-    """Contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
+    """Return contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
 
-    residual: static flexibility of the modes left out, um/uN; hard contact without it gives inf.
+    residual: static flexibility of the modes left out, um/uN; if 0, hard contact gives inf
     """
     with np.errstate(divide="ignore"):
         return 1 / (1 / np.asarray(device.contact, float) + residual)
 
 
 def column(values: Value, more: int) -> np.ndarray:
-    """Append so many axes to values."""
+    """Append `more` axes of length 1 to values."""
     return np.reshape(values, (*np.shape(values), *[1] * more))
 
 
 def natural_frequency(beam: Beam) -> float:
-    """Find the frequency of one beam's first symmetric mode without damping, rad/us.
+    """Find the undamped frequency of the first symmetric mode of a single beam, rad/us.
 
-    Small vibrations about the rest are under -(Kb + 2 EA/2L (G q0)(G q0)^T) u: bending, and the
-    stretch that an arch cannot bend without. A free beam's imperfection mixes the mode with the
-    first antisymmetric one: of these two, the lowest of all, it is the one that a shaken frame
-    moves more.
+    The stiffness of small vibrations is Kb + 2 EA/2L (G q0)(G q0)^T, as an arch cannot bend without
+    stretch. An imperfection mixes this mode with the first antisymmetric one: of these two, which
+    are the lowest, a shaken frame moves the wanted one more.
     """
     basis = settled(hermite_elements(ELEMENTS, free=True), beam)
     slope = apply(basis.geometric, basis.start)

@@ -1,7 +1,7 @@
-"""Stress along the beam, of bending at both of its faces and of the axial force.
+"""Tensile stress along the beam, from bending, at both faces, and from the axial force.
 
-With M / EI = w'' - w0'' and the tension T of the beam at rest, the largest tensile stress of a
-place is E t/2 |w'' - w0''| + (T - N) / A.
+As M / EI = w'' - w0'', the largest tensile stress at a place is E t/2 |w'' - w0''| + (T - N) / A,
+with the tension T of the beam at rest and the axial force N beyond it.
 """
 
 from typing import NamedTuple
@@ -15,11 +15,11 @@ from .modal import halfway, unit_beams
 
 
 class Stress(NamedTuple):
-    """Stress at the PLACES of one beam, of n coordinates u from its shape at rest, MPa.
+    """Stress at the PLACES of a beam, for n coordinates u from its shape at rest.
 
-    bending: (PLACES, n), per coordinate; rest: (PLACES,), of bending at rest
-    residual: (PLACES,), of the modes left out, per contact force, 1/um^2
-    tension: at rest; area: um^2
+    bending: per coordinate, (PLACES, n); rest: of bending at rest, MPa, (PLACES,)
+    residual: of the modes left out, per contact force, 1/um^2, (PLACES,)
+    tension: T / A at rest, MPa; area: um^2
     """
 
     bending: np.ndarray
@@ -31,7 +31,7 @@ class Stress(NamedTuple):
     def largest(self, u: np.ndarray, contact: np.ndarray, axial_force: np.ndarray) -> np.ndarray:
         """Find the largest tensile stress over both faces of the PLACES, MPa, (samples,).
 
-        Below 0 where all of them are pressed.
+        It is negative if all of them are compressed.
 
         u: (samples, n); contact: force on the beam, uN; axial_force: N beyond that at rest, uN
         """
@@ -40,10 +40,10 @@ class Stress(NamedTuple):
 
 
 def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
-    """Probability that beams break under their largest stress, MPa.
+    """Return the probability that beams break under their largest stress, MPa, in its shape.
 
-    That is 1 - exp(-((stress - threshold) / scale)^modulus) of a Weibull distribution of the
-    strength, and 0 or 1 where it is a number: a modulus without end.
+    A Weibull distribution of the strength gives 1 - exp(-((stress - threshold) / scale)^modulus);
+    an infinite modulus makes the strength a number, and the probability 0 or 1.
     """
     # ASSUME: the largest stress alone decides, not how much of the beam bears it.
     over = np.maximum(stress - device.strength_threshold, 0.0) / device.strength
@@ -52,7 +52,7 @@ def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
 
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:
-    """Give the stress of one beam in modes of its basis: shapes, (n, k), as in `ModalBeam`."""
+    """Return the stress of a single beam in k modes; shapes: (n, k), as in `ModalBeam`."""
     beams = unit_beams(basis, beam)
     ((T,), (q,)), (made,) = beams.at_rest, beams.made
     scaled, force = basis.scaled_to(beam), beam.stiffness_unit * beam.span
