@@ -1,4 +1,4 @@
-"""The model `auto`: several levels of models, and for each cell the cheapest that suffices."""
+"""The model `auto`: levels of models, of which the cheapest that suffices decides each cell."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,30 +14,29 @@ from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
 
 RUNGS = (3, 5, 11)
-"""Cosines of the levels: odd ones, as even ones do not move the midpoint."""
+"""Numbers of cosines of the levels; odd ones, as even cosines do not move the midpoint."""
 FINER_RUNGS = (5, 7, 11)
-"""The same where three are blind: the way back hangs on where the beam is struck, and they lack
-the cosines 4 and 5 of a shape as made."""
+"""Numbers of cosines where three are too few: from the second shape, where it matters at which
+place the beam is struck, and for shapes as made with the cosines 4 or 5."""
 REACH = 2
-"""Cells along N on either side of a change of label that are near it, however far apart."""
+"""Number of cells along N, on either side of a change of label, that count as near it."""
 BESIDE, FAR_BESIDE = 1.02, 1.03
-"""How far around a change of label finer levels look, in clean and ragged rows: in the latter at
-every cell, in the former at REACH, and at twice, four times as many cells and so on."""
+"""Ratio of N up to which cells are near a change of label too: in a clean row those twice, four
+times and so on as many cells away, in a ragged row, up to FAR_BESIDE, all."""
 DISPUTED, AGREED, UNCOMPARED = range(3)
-"""Whether two levels agree on a cell."""
+"""Values of `Observations.agreed`."""
 FINE_STEPS = 0.5
-"""Steps of the finest model over its usual ones, to decide fast thresholds and to see islands that
-others miss."""
+"""Factor of the finest model's steps, to decide fast thresholds and to see islands of snap."""
 TOLERANCE = 1e-3
-"""Error of the threshold that `auto` may make, relative, by default; that of its steps, too."""
+"""Default relative error of a threshold that `auto` may make; its usual steps make as much."""
 
 
 @dataclass(frozen=True, eq=False)
 class Adaptive:
-    """Three models of one device or a batch, ever finer.
+    """Three models of a device or a batch, each finer than the one before.
 
-    base labels every cell; those that are not safe are decided by top, and check says whether a
-    second level agrees with it
+    base: labels every cell
+    top: decides the cells that are not safe; check: a second opinion on these
     """
 
     base: Follows
@@ -46,7 +45,7 @@ class Adaptive:
 
     @property
     def device(self) -> Device:
-        """The device or batch of all three."""
+        """The device or batch of all three models."""
         return self.base.device
 
     @property
@@ -55,22 +54,21 @@ class Adaptive:
         return self.base, self.top
 
     def with_step(self, factor: float) -> "Adaptive":
-        """Give the same levels with every step multiplied by `factor`."""
+        """Return the same levels with every step multiplied by `factor`."""
         return Adaptive(*(level.with_step(factor) for level in (self.base, self.check, self.top)))
 
     def pick(self, which: int | np.ndarray) -> "Adaptive":
-        """Give the same levels of one device of the batch, or of several."""
+        """Return the same levels of a device of the batch, or of several."""
         return Adaptive(*(level.pick(which) for level in (self.base, self.check, self.top)))
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow rows of cells along ascending N, (rows, n), each cell by the level that suffices.
+        """Follow rows of cells, (rows, n), of ascending N, each cell by the level that suffices.
 
-        A cell is safe where base sees no change of label near it along N and its ledger closes.
-        Near a change top decides, in ragged rows until it agrees with base for a stretch. Whether
-        these cells snap is decided in the steps of a threshold.
+        A cell is safe if its ledger closes and no label changes near it along N. Others are decided
+        by top, whether they snap in the steps of EDGE; this repeats until no new cell is unsafe.
         """
-        # Of no cells: the kernel that takes longest to compile comes first, while a job of
-        # thresholds beside this one compiles base's.
+        # A run without cells compiles the kernel that takes longest first, while a job of
+        # thresholds beside this one compiles that of base.
         none = cells.take(np.zeros(0, int)).flat()
         for _, model in self.top.split(none.device):
             model.follow_once(none, settings)
@@ -94,30 +92,31 @@ class Adaptive:
             observed.replace(new, top)
 
     def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow cells, (cells,), near a change of label, in a threshold's steps to their snaps."""
+        """Follow cells, (cells,), by top; whether they snap is decided in the steps of EDGE."""
         edge = self.top.follow(cells, settings._replace(until="edge"))
         if settings.until != "settled":
             return edge
         observed = self.top.follow(cells, settings)
         differ = np.isfinite(observed.t_snap) != np.isfinite(edge.t_snap)
-        # The steps that the motion needs are shorter than those of either.
+        # The steps of MOVE are shorter than those of either run.
         moved = self.top.follow(cells.take(differ), settings._replace(until="moved"))
         observed.replace(differ, moved)
         return observed
 
 
 class Survey(NamedTuple):
-    """Models by which thresholds are determined.
+    """Models that determine thresholds.
 
-    scans: the cheap one, which tells where to look; decides: at which N labels change
-    ragged: decides where they change back and forth, in the steps of maps
-    others: with which that is compared; of two, the second is better than the one that decides
-    finest: the best, in steps that show what others miss; None where it decides
-    static: threshold of slow pulses, about which to look, in multiples of g; (devices,)
-    judges: finer ones, with which rows are compared, too
-    finer: takes rows of fast pulses, and the clean ones that this one leaves open by more than
-        tolerance, relative; None for no further look
-    lawful: whether models have a user's own laws, of which no static threshold is known
+    scans: the cheap model, which finds where labels change along N
+    decides: model whose changes are the thresholds
+    ragged: model in its place where labels change back and forth, in the steps of maps
+    others: models to compare it with; if there are two, the second is better than `decides`
+    finest: the best model, in steps that show what others miss; None if it decides
+    static: threshold of slow pulses, near which to look, in multiples of g, (devices,)
+    judges: finer models to compare rows with, too
+    tolerance: largest relative error of a clean row that `finer` does not take over
+    finer: survey of rows with fast pulses, and of clean rows of larger error; None for no other
+    lawful: whether models have a user's laws, for which no static threshold is known
     """
 
     scans: Follows
@@ -133,15 +132,12 @@ class Survey(NamedTuple):
 
     @property
     def levels(self) -> tuple["Survey", ...]:
-        """This survey and the finer ones, by the `level` of their thresholds."""
+        """This survey and finer ones, by the `level` of their thresholds."""
         return self, *(self.finer.levels if self.finer else ())
 
 
 def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows | Adaptive:
-    """Build a model, given by its name and options, for a device or a batch.
-
-    start: as in `Settings`
-    """
+    """Build the model of a name and options for a device or a batch; start: as in `Settings`."""
     if model["name"] == "auto":
         return _levels(device, start, **model)
     return build_model(device, **model)
@@ -153,10 +149,7 @@ def _levels(device, start, name, **options) -> Adaptive:
 
 
 def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
-    """Build what finds the thresholds of a model, given by its name and options, for a batch.
-
-    start: as in `Settings`
-    """
+    """Build the survey of a model's name and options for a batch; start: as in `Settings`."""
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := laws_of(model):
         return _of_laws(build_model(device, **model), laws, static)
@@ -173,7 +166,7 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
 
 
 def _of_laws(model, laws, static):
-    """The survey of a model with laws, which no other follows: by its own shorter steps."""
+    """Return the survey of a model with laws, which is compared with itself in shorter steps."""
     if laws.force:
         device, (saddle, _, energy) = model.device, well_of(laws.force, model.device.beam.rise)
         # The largest force is about 1.5 times the mean.
@@ -184,10 +177,7 @@ def _of_laws(model, laws, static):
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
-    """Build the levels, with steps for a tolerance of the threshold, relative.
-
-    start: as in `Settings`
-    """
+    """Build the levels in steps for a relative tolerance of thresholds; start: as in `Settings`."""
     beam = device.beam
     uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
     finer = uneven | (start != FIRST)
@@ -199,14 +189,14 @@ def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FI
         return mixed(build, finer if rungs[0] != rungs[1] else False)
 
     levels = map(level, RUNGS, FINER_RUNGS)
-    # The scheme is of second order.
+    # The error of the scheme grows with the square of the step.
     return Adaptive(*levels).with_step(np.sqrt(tolerance / TOLERANCE))
 
 
 def _near_changes(N, by_base, snapped):
-    """Cells near a change of label along N, of those that base saw or of those known; (rows, n).
+    """Return which cells are near a change of label along N, of base or of the latest, (rows, n).
 
-    N: ascending, in any unit
+    N: ascending, in any unit; by_base, snapped: labels of base, and the latest
     """
     change, change_of_base = (labels[:, 1:] != labels[:, :-1] for labels in (snapped, by_base))
     ragged = (change.sum(axis=1) > 1) | (change_of_base.sum(axis=1) > 1)
@@ -217,14 +207,14 @@ def _near_changes(N, by_base, snapped):
 
 
 def _are_apart(N, differ):
-    """Whether cells of a row differ that are farther apart than BESIDE, (rows,)."""
+    """Return in which rows the cells that differ extend over more than BESIDE in N, (rows,)."""
     rows, size = np.arange(len(N)), N.shape[1]
     first, last = np.argmax(differ, axis=1), size - 1 - np.argmax(differ[:, ::-1], axis=1)
     return differ.any(axis=1) & (N[rows, last] > BESIDE * N[rows, first])
 
 
 def _beside(N, change):
-    """Cells within REACH of changes, (rows, n - 1), and some more within BESIDE; (rows, n)."""
+    """Return cells, (rows, n), within REACH of changes, (rows, n - 1), and some within BESIDE."""
     near, size, distance = np.zeros(N.shape, bool), N.shape[1], 1
     while distance < size:
         below, above = change[:, distance - 1 :], change[:, : size - distance]
@@ -240,7 +230,7 @@ def _beside(N, change):
 
 
 def _around(N, change):
-    """All cells within FAR_BESIDE of changes, (rows, n - 1); (rows, n)."""
+    """Return all cells, (rows, n), within FAR_BESIDE of changes, (rows, n - 1)."""
     near = np.zeros(N.shape, bool)
     above = np.where(change, N[:, 1:] * FAR_BESIDE, -np.inf)
     below = np.where(change, N[:, :-1] / FAR_BESIDE, np.inf)[:, ::-1]

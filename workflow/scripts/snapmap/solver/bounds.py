@@ -1,23 +1,25 @@
-"""Shocks too weak to snap a device, by energy: whatever their shape, direction, gap and damping.
+"""Lower bounds of N by energy: weaker shocks cannot snap a device, whatever its gap and damping.
 
-Let H be the energy of mass, spring, beam and contact, no part of which is below 0, and X = M y +
-f.u, so that the pulse a does the work -a dX/dt a time, and damping only takes. With m the mass of
-all (of a force on the midpoint |f|^2) and T <= H kinetic, (dX/dt)^2 <= 2 m T (Cauchy), and hence
+Let H >= 0 be the energy of mass, spring, beam and contact, each of which is >= 0, and X = M y +
+f.u. The pulse a does work at the rate -a dX/dt, and damping only takes energy. With the total mass
+m (|f|^2 for a force on the midpoint) and the kinetic energy T <= H, (dX/dt)^2 <= 2 m T by Cauchy,
+and hence
 
     d sqrt(H)/dt <= |a| sqrt(m/2),                  H <= (m/2) (integral of |a|)^2.
 
-The spring and the beam's bending alone hold X^2 <= 2 c H with c = M^2/K + f.bending^-1 f. By parts
-the work is at most the largest |X| times all ups and downs of a, and so
+Spring and bending alone imply X^2 <= 2 c H with c = M^2/K + f.bending^-1 f. Integrated by parts,
+the work is at most the largest |X| times the total variation of a, and so
 
-    H <= 2 c (ups and downs of a)^2.
+    H <= 2 c (total variation of a)^2.
 
-A snap takes H at least to the saddle, and to what bending alone asks for the displacement of the
-midpoint. From the second shape the first bound holds for H above that shape, the least in its well;
-for the second the mass holds X as said, and the beam, up to the saddle, by bending from the first.
+For a snap H must reach the energy of the saddle, and the bending energy of the displacement of the
+midpoint. From the second shape the first bound holds for H above that shape, the least in its well.
+For the second bound the mass limits X as above, and the beam, up to the saddle, by its bending from
+the first shape.
 
-Laws of a user's own leave that as it is if damping only takes and the contact has an energy that is
-0 at first and nowhere below. A force over displacement has its integral, but no bending: the second
-bound is not for it.
+A user's laws keep these bounds if damping only takes energy, and the contact has an energy that is
+0 at first and nowhere negative. A law of force has its integral as energy, but no bending, and so
+no second bound.
 """
 
 from functools import partial
@@ -33,9 +35,9 @@ from .settings import FIRST
 
 
 def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarray:
-    """Bound the N that can snap, multiples of g, (rows,): below, the energy does not suffice.
+    """Return the N, in multiples of g, (rows,), below which no shock has the energy for a snap.
 
-    model: of a batch; start: as in `Settings`
+    model: of a batch, to which the rows belong; start: as in `Settings`
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
@@ -60,16 +62,16 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
         pushed = np.where(device.force, dot(modal.load, modal.load), device.beam.weight)
         least = np.sqrt(2 * energy / (device.mass + pushed)), swing
         bounds[:, mine] = np.array(least)[:, mine]
-    # The least integral of |a|, um/us, and ups and downs of a, um/us^2.
+    # The least integral of |a|, um/us, and the least total variation of a, um/us^2.
     speed, swing = bounds[:, rows.device]
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in rows.pulses])
-    gross, ups_and_downs = facts[rows.pulse].T
-    a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / ups_and_downs)
+    gross, variation = facts[rows.pulse].T
+    a = np.maximum(speed * rows.f0 * 1e-6 / gross, swing / variation)
     return a / np.asarray(model.device.gravity)[rows.device]
 
 
 def _stores(model, start):
-    """Whether the contact of a model has such an energy, as far as laws are looked at."""
+    """Return whether a law of contact, where sampled, has an energy as the bounds need it."""
     device, barrier, laws = model.device, model.barrier, model.laws or Laws()
     apart = np.max(device.gap + (0.0 if start == FIRST else barrier.first - barrier.second))
     for stiffness in np.unique(device.contact) if laws.contact else ():

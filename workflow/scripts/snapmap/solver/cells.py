@@ -1,4 +1,4 @@
-"""The table of cells that a solver is given, and what it observes of each."""
+"""Cells, the runs of a solver, and what it observes in each."""
 
 from typing import NamedTuple
 
@@ -11,10 +11,11 @@ HANDOUT_PULSES = (make_pulse(),)
 
 
 class Cells(NamedTuple):
-    """Cells in internal units; arrays of one shape.
+    """Cells in internal units; all columns but pulses are arrays of one shape.
 
-    device: index of the device in the model's batch; pulse: index in pulses
-    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; t_end: us
+    device: index in the model's batch; pulse: index in pulses
+    amplitude: N g, um/us^2; f0: 1/us; damping: C at the device's temperature, uN us/um
+    t_end: end of the run, us
     """
 
     device: np.ndarray
@@ -30,12 +31,12 @@ class Cells(NamedTuple):
         return Cells._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def flat(self) -> "Cells":
-        """Give the same cells in one dimension."""
+        """Return the same cells in one dimension."""
         return Cells._make([*map(np.ravel, self[:-1]), self.pulses])
 
 
 class Rows(NamedTuple):
-    """Rows of cells that differ in N alone; arrays (rows,).
+    """Rows of cells that differ in N alone; all columns but pulses are (rows,).
 
     device: index in the model's batch; f0: Hz; C: uN us/um; pulse: index in pulses
     """
@@ -51,29 +52,28 @@ class Rows(NamedTuple):
         return Rows._make([*(column[which] for column in self[:-1]), self.pulses])
 
     def cells(self, devices: Device, N, horizon: float) -> Cells:
-        """Give their cells, (rows, n), at multiples of g that broadcast so; as `to_cells`."""
+        """Make cells, (rows, n), at N, multiples of g, that broadcast to this; see `to_cells`."""
         device, f0, C, pulse = (np.expand_dims(column, 1) for column in self[:-1])
         return to_cells(devices, device, N, f0, C, horizon, pulse, self.pulses)
 
 
 class Observations(NamedTuple):
-    """What was observed of each cell; arrays of the shape of the cells.
+    """Observations of cells; arrays of the shape of the cells. Times count from the pulse's start.
 
-    t_snap: first arrival of the midpoint at the shape in which it did not start, after the pulse's
-        start, us; NaN if not seen
-    t_settled: when the beam was seen to be settled in a well for ever, us; NaN if it was not
-    well: the side of the saddle at the end of the run, 1 that of the start, 2 the other; 0 if it
-        ended at its snap, or in the pulse
-    energy_error: residual of the energy ledger over the gross work of the pulse, not finite after
+    t_snap: first arrival of the midpoint at the other shape, us; NaN if it does not arrive
+    t_settled: time at which the beam is proven to stay in a well for ever, us; NaN without proof
+    well: side of the saddle at the end of the run, 1 of the start, 2 the other; 0 if the run ended
+        at its snap, or in the pulse
+    energy_error: residual of the energy ledger over the gross work of the pulse; not finite after
         a blow-up
     well_share: share of the mass's last swing spent on that side; 1 if settled, NaN for well 0
-    pulse_work: of all of the pulse on mass and beam, pJ; NaN if the run ended before it or failed
-    lowest: of w(L/2), of a run from the second shape of -w(L/2), um, from the first; NaN if the
-        model does not tell
-    halvings: how often the model's step was halved for these observations
-    level: of several that a model has, the one that decided the cell, 0 for the cheapest
-    agreed: 0 where two levels disagree on whether the cell snaps, 1 where they agree, 2 where a
-        single one followed it
+    pulse_work: work of the whole pulse on mass and beam, pJ; NaN if the run ended in it or failed
+    lowest: lowest w(L/2) from the first shape, um, or -w(L/2) in a run from the second shape; NaN
+        if the model does not record it
+    halvings: number of halvings of the model's step
+    level: level that decided the cell, in a model of several; 0 is the cheapest
+    agreed: 1 where two levels agree on whether the cell snaps, 0 where they disagree, 2 where a
+        single level followed it
 
     A run observes all but the last two, which a model of several levels adds.
     """
@@ -90,17 +90,17 @@ class Observations(NamedTuple):
     agreed: np.ndarray | None = None
 
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
-        """Give what runs observed in another shape."""
+        """Return the observations of runs in another shape."""
         return Observations(*(column.reshape(shape) for column in self[:8]))
 
     def replace(self, which: np.ndarray, others: "Observations") -> None:
-        """Set what was observed of some cells, by indices or a mask, in place."""
+        """Replace the observations of some cells, by indices or a mask, in place."""
         for column, part in zip(self[:8], others[:8], strict=True):
             column[which] = part
 
 
 def no_observations(shape: tuple[int, ...]) -> Observations:
-    """Make room for observations of cells: nothing is observed yet, and no ledger closes."""
+    """Make observations of cells not yet followed: nothing is seen, and no ledger closes."""
     return Observations(
         t_snap=np.full(shape, np.nan),
         t_settled=np.full(shape, np.nan),
@@ -114,7 +114,7 @@ def no_observations(shape: tuple[int, ...]) -> Observations:
 
 
 def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
-    """Collect rows from arrays that broadcast; f0 in Hz, C in uN us/um; pulse: index in pulses."""
+    """Make rows of arrays that broadcast; f0: Hz; C: uN us/um; pulse: index in pulses."""
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
     values = (np.asarray(column, float) for column in (f0, C))
     device, pulse, f0, C = (np.ravel(a) for a in np.broadcast_arrays(*indices, *values))
@@ -124,9 +124,9 @@ def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
 def to_cells(
     devices: Device, device, N, f0, C, horizon: float, pulse=0, pulses=HANDOUT_PULSES
 ) -> Cells:
-    """Convert cells, arrays that broadcast, from multiples of g, Hz, uN us/um and a horizon.
+    """Make cells of arrays that broadcast: N in multiples of g, f0 in Hz, C in uN us/um.
 
-    devices: one, or a batch; device: indices in it; pulse: indices in pulses
+    devices: a single one, or a batch; device: indices in it; pulse: indices in pulses
     horizon: time followed after the pulse, us
     """
     indices = (np.asarray(column, np.int64) for column in (device, pulse))
@@ -134,6 +134,6 @@ def to_cells(
     device, pulse, N, f0, C = np.broadcast_arrays(*indices, *values)
     gravity, factor = (np.atleast_1d(a)[device] for a in (devices.gravity, devices.damper_factor))
     f0 = f0 * 1e-6
-    # Where there is no mass a damper holds its place at 0, whatever its constant.
+    # Without a mass a damper of any constant keeps y at 0.
     damping = np.where(np.atleast_1d(devices.is_alone)[device], 1.0, C * factor)
     return Cells(device, pulse, N * gravity, f0, damping, 1 / f0 + horizon, pulses)

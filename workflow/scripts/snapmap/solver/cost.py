@@ -1,4 +1,4 @@
-"""What runs cost, before they are paid."""
+"""Forecasts of the time that runs take."""
 
 import warnings
 
@@ -10,15 +10,16 @@ from .models import Follows
 from .settings import Settings
 
 MOST_SECONDS = 3.6e7
-"""What takes longer, 10 000 core hours, is taken for a slip."""
+"""Longest time, s, 10 000 core hours; more is refused as a slip."""
 WORTH_SAYING = 30.0
-"""What takes longer, s, is reported before it begins."""
+"""Time, s, above which a forecast is reported."""
 
 
 def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> None:
-    """Warn of what takes long before it begins, in one line; a ValueError refuses it without end.
+    """Warn, in one line, of a task longer than WORTH_SAYING; ValueError beyond MOST_SECONDS.
 
-    where: what takes longest; cure: what to write instead; stacklevel: as of `warnings.warn`
+    what: the task; where: its longest part; cure: what to write instead
+    stacklevel: as in `warnings.warn`
     """
     line = f"{what}: will take about {spoken(seconds)}, most of it at {where}"
     if seconds > MOST_SECONDS:
@@ -28,7 +29,7 @@ def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> N
 
 
 def spoken(seconds: float) -> str:
-    """A time in the unit that suits it."""
+    """Write a time in h, min or s."""
     for unit, length in (("h", 3600), ("min", 60)):
         if seconds > 2 * length:
             return f"{plain(seconds / length, 2)} {unit}"
@@ -38,9 +39,9 @@ def spoken(seconds: float) -> str:
 def steps_and_seconds(
     built: Follows, cells: Cells, settings: Settings, plain: bool = False
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Time step of each cell, us, and the time it takes to follow it to its horizon, s, about.
+    """Return the step of each cell, us, and about the time to follow it to its horizon, s.
 
-    plain: whether by the plain loop; both results in the cells' shape
+    plain: whether the plain loop follows it; both results have the cells' shape
     """
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):

@@ -1,4 +1,4 @@
-"""Cells followed by a solver of a user's own: a function of one cell."""
+"""Cells followed by a user's own solver, a function of a single cell."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ LANES = 1  # cells that are followed side by side
 
 
 class Cell(NamedTuple):
-    """What a solver receives: a single device, other columns of `Cells`, `start` of `Settings`."""
+    """A single cell for a solver, with the units of `Cells` and the start of `Settings`."""
 
     device: Device
     pulse: Pulse
@@ -22,15 +22,15 @@ class Cell(NamedTuple):
     start: str
 
     def acceleration(self, t: np.ndarray | float) -> np.ndarray:
-        """Of the frame along +z, um/us^2, at times, us, of any shape."""
+        """Return the acceleration of the frame along +z, um/us^2, at times, us, of any shape."""
         return self.amplitude * self.pulse.at(np.asarray(self.f0 * t))
 
 
 def march(model, cells, dt, settings):
-    """Follow cells by the solver of `Laws`, as `plain_loop.march` does.
+    """Follow cells by the solver of `Laws`; takes and returns what `plain_loop.march` does.
 
-    It takes a `Cell` and a step, us; and returns t_snap, us: None or NaN without a snap, inf where
-    it does not believe its run. Raises ValueError, one line, for any other answer
+    The solver takes a `Cell` and a step, us, and returns t_snap, us: None or NaN for no snap, inf
+    for a run not to trust. Raises ValueError, one line, for any other answer.
     """
     t_snap, unknown = np.empty(dt.size), np.full(dt.size, np.nan)
     for i in range(dt.size):
@@ -43,7 +43,7 @@ def march(model, cells, dt, settings):
 
 
 def _time_of(answer: object) -> float:
-    """Read what a solver returns as a time, us: NaN for None; raises ValueError for no time."""
+    """Convert the answer of a solver to a time, us, or NaN; raises ValueError for a wrong one."""
     if answer is None:
         return np.nan
     numbers = int | float | np.integer | np.floating

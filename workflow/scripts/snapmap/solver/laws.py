@@ -1,4 +1,4 @@
-"""Laws of a user's own in the place of three forces of the model `reference`."""
+"""A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -19,19 +19,19 @@ PARAMETERS = {
     "force": ("displacement",),
     "solver": ("cell", "step"),
 }
-"""What each law takes, in this order, under whatever names; um, uN, us: docs/own-physics.md."""
+"""Parameters of each law, in this order and under any names; units: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
-"""Bytes that a file of laws may have, and what to do about more."""
+"""Most bytes of a file of laws, and the remedy for a larger one."""
 Law = Annotated[Callable, Argument("a function of numbers", callable)]
 REACH, POINTS = 10.0, 10_000
-"""How far a law is looked at, over the rise, and at how many places on either side of 0."""
+"""Range over the rise in which a law is sampled, and number of samples on either side of 0."""
 
 
 @dataclass(frozen=True)
 class Laws:
-    """Compiled functions, as `reference` takes them; None where the device's own force acts.
+    """Compiled functions, as `reference` takes them; None where the device's force acts.
 
-    solver: in place of all, as in `external.march`
+    solver: function in place of the whole model, as in `external.march`
     """
 
     damping: Callable | None = None
@@ -40,7 +40,7 @@ class Laws:
     solver: Callable | None = None
 
     def __str__(self):
-        """Name the functions, as attributes of products have them."""
+        """Name the functions, as in attributes of products."""
         laws = ((key, law) for key, law in vars(self).items() if law)
         return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
@@ -50,12 +50,12 @@ def reference(
     contact: Law | None = None,
     force: Law | None = None,
 ) -> dict[str, object]:
-    """Give the `reference` model your own laws, for sweep, threshold and simulate.
+    """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
-    damping: drag on the mass (uN) of (C, velocity, place), in place of C velocity
-    contact: push between mass and midpoint (uN, positive apart) of (stiffness, overlap)
-    force: push that holds the midpoint (uN) of (displacement,), in place of the beam's
-    Laws are functions of floats (um, us) that numba compiles; docs/own-physics.md describes them.
+    damping: function (C, velocity, place) that returns the drag on the mass, uN, else C velocity
+    contact: function (stiffness, overlap) that returns the force that separates mass and beam, uN
+    force: function (displacement) that returns the force that holds the midpoint, uN
+    numba compiles these functions of floats, in um and us; docs/own-physics.md describes them.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
@@ -67,7 +67,7 @@ def reference(
 
 
 def compile_laws(functions: Mapping[str, object]) -> Laws:
-    """Compile functions by the names of their laws; raises ValueError, one line, for no law."""
+    """Compile functions by the names of their laws; raises ValueError, one line, for wrong ones."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
     if not laws or ("solver" in laws and len(laws) > 1):
         many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
@@ -77,7 +77,7 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
 
 @cache
 def load_laws(path: str, sha256: str = "") -> Laws:
-    """Read the laws of a Python file, which is run; raises ValueError, one line, as `compile_laws`.
+    """Run a Python file and compile its laws; raises ValueError, one line with the path.
 
     sha256: expected hash of the file, hex digits; empty for any
     """
@@ -91,13 +91,13 @@ def load_laws(path: str, sha256: str = "") -> Laws:
 
 
 def laws_of(options: Mapping) -> Laws | None:
-    """Give the laws of a model's options, if it has any: as they are, or by their file."""
+    """Return the laws in a model's options, read from a file if they name one; None without."""
     laws = options.get("laws")
     return load_laws(laws, options.get("sha256", "")) if isinstance(laws, str) else laws
 
 
 def _compiled(key, law):
-    """Compile a law, and hold it against what it takes and gives."""
+    """Compile a law, and check its parameters, its result and the sign of a damping."""
     from numba import njit
     from numba.core.errors import NumbaError
 
@@ -105,9 +105,9 @@ def _compiled(key, law):
     function = getattr(law, "py_func", law)
     if not (callable(law) if key == "solver" else inspect.isfunction(function)):
         raise ValueError(f"{name}: is not a function")
-    taken = inspect.signature(function).parameters
-    if len(taken) != len(needs):
-        raise ValueError(f"{name}: takes ({', '.join(taken)}); write ({', '.join(needs)})")
+    parameters = inspect.signature(function).parameters
+    if len(parameters) != len(needs):
+        raise ValueError(f"{name}: takes ({', '.join(parameters)}); write ({', '.join(needs)})")
     if key == "solver":
         return law
     law = law if law is not function else njit(error_model="numpy")(function)
@@ -127,7 +127,7 @@ def _compiled(key, law):
 def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     """Find saddle and second shape, um, and the energy of the saddle, pJ, of a double well.
 
-    The energy is the integral of the force. Raises ValueError for a force that is no such.
+    The energy is the integral of the force. Raises ValueError if this has no double well.
     """
     x, F = curve(force, rise)
     falls, rises = (np.flatnonzero((s * F[:-1] > 0) & (s * F[1:] <= 0)) for s in (1.0, -1.0))
@@ -145,6 +145,6 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
 
 
 def curve(law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
-    """Look at a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
+    """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
     return x, np.array([law(place) for place in x.tolist()])

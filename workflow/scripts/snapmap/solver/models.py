@@ -1,4 +1,4 @@
-"""Models of a device or a batch, by name; and the one thing that they do: to follow cells."""
+"""Models of a device or a batch, by name: each follows cells and returns observations."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -24,45 +24,45 @@ from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, largest_speed, steps_of
 
 BUNCH = 8192
-"""Cells after which it is reported how many are done; the last lanes of a call run half empty."""
+"""Cells of a call to a kernel, after which progress is reported; too few leave its lanes idle."""
 HALVINGS = 4
-"""How often a cell whose energy ledger does not close is followed again with half the step."""
+"""Most halvings of the step for a cell whose energy ledger does not close."""
 SMALLEST = 2.0**-8
-"""Over the longest step that motions take: a pulse that needs a shorter step is not followed."""
+"""Shortest step over the longest step of the question MOVE; a pulse that needs less has failed."""
 
 
 class Follows(Protocol):
-    """What every model does, however many discretisations it holds."""
+    """The interface of all models, of one discretisation or several."""
 
     @property
     def device(self) -> Device:
-        """One, or a batch that the cells' indices refer to."""
+        """The device, or the batch to which the indices of cells refer."""
 
     @property
     def levels(self) -> tuple["Follows", ...]:
-        """Its discretisations by the `level` of its observations, the cheapest first."""
+        """The discretisations by the `level` of observations, the cheapest first."""
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow cells, (rows, n), each row of ascending amplitude, as the settings ask."""
+        """Follow cells, (rows, n), whose amplitude ascends in each row; observations likewise."""
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
-        """Masks of devices, given by their indices, of any shape, and the model of each."""
+        """Split indices of devices, of any shape, into masks with the model of each."""
 
     def with_step(self, factor: float) -> "Follows":
-        """The same model with every step multiplied by `factor`."""
+        """Return the same model with every step multiplied by `factor`."""
 
     def pick(self, which: int | np.ndarray) -> "Follows":
-        """The same model of one device of the batch, or of some."""
+        """Return the same model of a device of the batch, or of several."""
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A device or a batch, its beam discretised.
+    """A device or a batch with a discretised beam.
 
-    basis, modal: its matrices, and their reduced form
-    barrier: between the two shapes of that form
-    steps: the rule of its time steps
-    laws: a user's own in place of some of its forces, of `reference` alone
+    basis, modal: matrices of the beam, and their reduced form
+    barrier: between the two shapes of the reduced form
+    steps: rule of the time steps
+    laws: of a user, in place of some forces; for `reference` alone
     """
 
     name: str
@@ -75,7 +75,7 @@ class Model:
 
     @property
     def levels(self) -> tuple["Model"]:
-        """Itself alone."""
+        """This model alone."""
         return (self,)
 
     @property
@@ -85,7 +85,7 @@ class Model:
 
     @cached_property
     def second(self) -> Rest:
-        """The second shape of its form; ValueError if one of the beams cannot rest there."""
+        """The second shape of the reduced form; ValueError if a beam cannot rest there."""
         if self.laws and self.laws.force:
             raise ValueError("model.laws: force: runs start in the first shape; leave out start")
         rest = second_shape(self.device.beam, self.basis, self.modes)
@@ -93,35 +93,39 @@ class Model:
         return rest
 
     def rest(self, start: str) -> np.ndarray:
-        """The modes in the shape in which a run starts, (..., k), as `ModalBeam` has them."""
+        """Return the modes p of `ModalBeam` at which a run starts, (..., k)."""
         return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
 
     def snap_target(self, start: str) -> Value:
-        """Where w(L/2), of a run from the second shape -w(L/2), snaps, from the first shape, um."""
+        """Return the w(L/2) of a snap, or -w(L/2) in a run from the second shape.
+
+        It is in um, from the first shape.
+        """
         first = self.barrier.first
         return self.barrier.second - first if start == FIRST else 0.0 * first
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
-        """Step of each cell, us, in its shape; no mass rests on a beam in its second shape."""
+        """Return the step of each cell, us, in the cells' shape."""
+        # No mass rests on a beam in its second shape: it strikes with a run-up.
         speed = largest_speed(self.device, cells) if settings.start == SECOND else 0.0
         return self.steps.of(cells, settings.question, speed)
 
     def loop(self) -> ModuleType:
-        """Its time loop, imported when a run begins: a plan needs no compiler."""
+        """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
         loop = "external" if self.laws and self.laws.solver else loop
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
-        """Give this model for all."""
+        """Return this model, for all devices."""
         return [(np.ones(device.shape, bool), self)]
 
     def with_step(self, factor: float) -> "Model":
-        """The same model with its step multiplied by `factor`."""
+        """Return the same model with every step multiplied by `factor`."""
         return replace(self, steps=self.steps.times(factor))
 
     def pick(self, which: int | np.ndarray) -> "Model":
-        """The same model of one device of the batch, or of some."""
+        """Return the same model of a device of the batch, or of several."""
         if np.ndim(self.device.mass) == 0:
             return self
         modal = ModalBeam(*(np.asarray(column)[which] for column in self.modal))
@@ -130,12 +134,12 @@ class Model:
         return replace(self, device=device, modal=modal, barrier=barrier, steps=steps)
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow every cell as the settings ask; cells of any shape.
+        """Follow cells of any shape.
 
-        Steps depend on the question. To learn where a cell stays, the kernel first follows it to
-        the end of its pulse as if to learn whether it snaps; what then is proven never to snap is
-        done. A cell whose ledger does not close is followed again with half the step, up to
-        HALVINGS times; one whose pulse is too short to be followed has failed.
+        To learn where a cell stays, it is first followed to the end of its pulse with the longer
+        steps of SNAP; if it then is proven never to snap, it is done. A cell whose ledger does not
+        close is followed again with half the step, up to HALVINGS times. A cell whose pulse is too
+        short for SMALLEST has failed.
         """
         flat = cells.flat()
         observed = no_observations(flat.f0.shape)
@@ -156,10 +160,10 @@ class Model:
         return observed.shaped(np.shape(cells.f0))
 
     def follow_once(self, cells: Cells, settings: Settings) -> Observations:
-        """Follow every cell, (cells,), in steps of the rule, whatever its ledger then says."""
+        """Follow every cell, (cells,), once, in steps of the rule, whatever its ledger says."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
-        # Lanes run side by side: all of a call should be full, and take about as many steps.
+        # Lanes run side by side: those of a call should all be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
         threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
@@ -182,9 +186,9 @@ class Model:
 def deciders(
     levels: Sequence[Follows], device: np.ndarray, decided: np.ndarray, which: np.ndarray
 ) -> Iterator[tuple[np.ndarray, Model]]:
-    """Indices of cells, out of `which`, and the model that decided them, at its step.
+    """Yield indices of cells, out of `which`, and the model that decided them, at its step.
 
-    device: of all cells; decided: their level and halvings, (2, cells)
+    device: index of the device of each cell, (cells,); decided: level and halvings, (2, cells)
     """
     for number, halved in np.unique(decided[:, which], axis=1).T:
         alike = which[(decided[0, which] == number) & (decided[1, which] == halved)]
@@ -193,9 +197,9 @@ def deciders(
 
 
 class Mixed(NamedTuple):
-    """A batch in which some devices take another model: both models are of all devices.
+    """Two models, each of all devices of a batch, of which every device takes one.
 
-    other: which take the second, (devices,)
+    other: mask of the devices that take the second, (devices,)
     """
 
     first: Follows
@@ -204,26 +208,26 @@ class Mixed(NamedTuple):
 
     @property
     def device(self) -> Device:
-        """The batch."""
+        """The batch, which both models share."""
         return self.first.device
 
     @property
     def levels(self) -> tuple["Mixed"]:
-        """Itself alone."""
+        """This model alone."""
         return (self,)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, Model]]:
-        """Give masks and models of the first, and of the second."""
+        """Return masks and models of the first, and of the second."""
         other = self.other[device]
         sides = (~other, self.first), (other, self.second)
         return [(mine & part, model) for mine, side in sides for part, model in side.split(device)]
 
     def with_step(self, factor: float) -> "Mixed":
-        """The same models with every step multiplied by `factor`."""
+        """Return the same models with every step multiplied by `factor`."""
         return Mixed(self.first.with_step(factor), self.second.with_step(factor), self.other)
 
     def pick(self, which: int | np.ndarray) -> Follows:
-        """Give the model of one device, or those of several."""
+        """Return the model of a device, or those of several."""
         if np.ndim(which) == 0:
             return (self.second if self.other[which] else self.first).pick(which)
         return Mixed(self.first.pick(which), self.second.pick(which), self.other[which])
@@ -237,9 +241,9 @@ class Mixed(NamedTuple):
 
 
 def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows:
-    """Build the models that the devices of a batch need, of those that are `other` and of the rest.
+    """Build the models that the devices of a batch need, one for `other` devices, one for the rest.
 
-    build: makes either model for all devices; other: mask, (devices,), or a single bool
+    build: maps a value of `other` to its model of all devices; other: (devices,), or a single bool
     """
     kinds = np.unique(other)
     if kinds.size == 1:
@@ -248,10 +252,10 @@ def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows
 
 
 def build_model(device: Device, name: str = "elements", **options) -> Follows:
-    """Discretise the beams of a device or a batch; a ValueError names an option that cannot be.
+    """Discretise the beams of a device or a batch; raises ValueError, one line.
 
-    elements (of the half beam), cosines, modes (kept); of a beam that is free to tilt as many
-        antisymmetric ones beside them
+    options: elements (of the half beam) or cosines, modes (kept), laws; a beam that is free to tilt
+        has as many antisymmetric cosines and modes beside these
     """
     check_options(device, name, options)
     device.beam.require_second_shape()
@@ -259,7 +263,7 @@ def build_model(device: Device, name: str = "elements", **options) -> Follows:
 
 
 def _build(device, name, options, is_free):
-    """Build the model of devices as if all were guided, or free to tilt."""
+    """Build the model of devices as if all were guided, or all free to tilt."""
     laws = laws_of(options)
     force = laws.force if laws else None
     if force:
@@ -275,7 +279,7 @@ def _build(device, name, options, is_free):
     elif modes > most:
         raise ValueError(f"model.modes: {modes} is too many; write {most} or fewer")
     else:
-        modes *= 1 + is_free  # as many antisymmetric ones as symmetric
+        modes *= 1 + is_free  # as many antisymmetric as symmetric
     modal = reduce_to_modes(device.beam, basis, modes)
     modal = modal._replace(load=pulse_load(device, modal.load, modal.midpoint))
     if np.isinf(contact_stiffness(device, modal.residual)).any():
@@ -285,7 +289,7 @@ def _build(device, name, options, is_free):
         )
     barrier = find_barrier(device.beam, basis, modes)
     if force:
-        # ASSUME: a beam with a force of its own moves as its first cosine, which gives it its mass.
+        # ASSUME: a beam whose force is a law moves as its first cosine, which gives its mass.
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
         modal = modal._replace(residual=0.0 * modal.residual)
@@ -295,7 +299,7 @@ def _build(device, name, options, is_free):
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
-    """Raise ValueError, one line, for a model or an option that cannot be."""
+    """Raise ValueError, one line, for a wrong model or option, or one that the device excludes."""
     take_model({"name": name, **options})
     if name == "reference" and np.isinf(device.contact).any():
         raise ValueError(
@@ -315,7 +319,7 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
 
 
 def _modes_of_elements(device, basis, name):
-    """Say how many modes elements keep where the options leave it open."""
+    """Return the number of modes that elements keep by default."""
     unknowns, hard = basis.load.size, np.isinf(device.contact)
     if not hard.any():
         return unknowns

@@ -1,4 +1,4 @@
-"""The largest stress of many cells."""
+"""The largest stress in the beams of many cells."""
 
 from collections.abc import Mapping
 
@@ -13,22 +13,22 @@ from .models import Follows, Model, deciders
 from .settings import Settings
 
 STRETCH = 4
-"""A cell is followed for so many steps at a time."""
+"""Number of steps of which the length of a run is a multiple."""
 
 
 def motion_levels(device: Device, model: Mapping, settings: Settings) -> tuple[Follows, ...]:
-    """Build the levels that decide cells; `reference` gives the same elements in their modes.
+    """Build the levels of a model that decide cells; for `reference`, its elements in their modes.
 
-    model: as in a config
+    model: name and options, as in a config
     """
     name = "elements" if model["name"] == "reference" else model["name"]
     return choose_model(device, {**model, "name": name}, settings.start).levels
 
 
 def largest_stress(device: Device, model: Mapping, cells: Cells, settings: Settings) -> np.ndarray:
-    """Find the largest tensile stress in the beam of each cell up to its end, MPa; (cells,).
+    """Find the largest tensile stress in the beam of each cell up to its end, MPa, (cells,).
 
-    device: a batch with a strength, of which the cells are; model: as in a config
+    device: batch to which the cells belong; model: name and options, as in a config
     """
     finest = motion_levels(device, model, settings)[-1:]
     halvings = finest[0].follow(cells, settings._replace(repeat=False)).halvings
@@ -42,9 +42,9 @@ def largest_stress(device: Device, model: Mapping, cells: Cells, settings: Setti
 def follow_stress(
     model: Model, cells: Cells, window: np.ndarray, settings: Settings, stretch: int = STRETCH
 ) -> np.ndarray:
-    """Follow cells for the largest tensile stress in the beam of each, MPa; (cells,).
+    """Follow cells for the largest tensile stress in the beam of each, MPa, (cells,).
 
-    window: time followed, us, (cells,), and on to a multiple of `stretch` steps
+    window: time followed, us, (cells,), rounded up to a multiple of `stretch` steps
     """
     dt = model.time_steps(cells, settings._replace(until="moved"))
     steps = stretch * np.ceil(window / (stretch * dt)).astype(np.int64)

@@ -1,4 +1,4 @@
-"""The names of models and the options of each, from Python as in a config."""
+"""The names of models and their options, in Python as in a config."""
 
 from collections.abc import Mapping
 from typing import Annotated, TypedDict
@@ -12,11 +12,11 @@ OPTIONS = {
     "cosines": ("cosines", "modes"),
     "auto": ("tolerance",),
 }
-"""Of each model."""
+"""Names of the options of each model."""
 
 
 class ModelOptions(TypedDict, total=False):
-    """Options of models."""
+    """Options of models, of functions whose `tolerance` is an argument of their own."""
 
     elements: Annotated[int, integer(1, 100)]
     cosines: Annotated[int, integer(1, 100)]
@@ -24,7 +24,7 @@ class ModelOptions(TypedDict, total=False):
 
 
 class AutoOptions(ModelOptions, total=False):
-    """The same where no argument of the function is a tolerance."""
+    """Options of models, of all other functions."""
 
     tolerance: Annotated[float, number("(0, 1)", "", "1e-3")]
 
@@ -33,19 +33,19 @@ OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.
 OF_MODEL["laws"] = Argument(
     "a file of laws or what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
 )
-"""What each option may be."""
+"""Description of each option."""
 
 
 def take_model(model: Mapping) -> dict[str, object]:
-    """A model's name and options, converted; ValueError, one line, for one that cannot be."""
+    """Check and convert a model's name and options; raises ValueError, one line."""
     name = str(word(*OPTIONS).take("model.name", model.get("name")))
-    taken: dict[str, object] = {"name": name}
+    options: dict[str, object] = {"name": name}
     for key, value in model.items():
         if key in OPTIONS[name]:
-            taken[key] = OF_MODEL[key].take(f"model.{key}", value)
+            options[key] = OF_MODEL[key].take(f"model.{key}", value)
         elif key == "sha256" and isinstance(model.get("laws"), str):
-            taken[key] = value
+            options[key] = value
         elif key != "name":
             known = ", ".join(OPTIONS[name])
             raise ValueError(f"model.{key}: is not an option of {name}; write one of {known}")
-    return taken
+    return options

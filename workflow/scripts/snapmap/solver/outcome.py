@@ -1,4 +1,4 @@
-"""What a cell's facts prove: the labels of the map; and by how much a second run differs."""
+"""Outcomes, the labels of cells, from observations; and differences between two runs."""
 
 from collections.abc import Mapping
 from enum import IntEnum
@@ -9,7 +9,7 @@ from .cells import Observations
 
 
 class Outcome(IntEnum):
-    """What became of a cell; `ABSENT` is one whose device has no second stable shape."""
+    """Outcome of a cell; `ABSENT` if its device has no second stable shape."""
 
     UNSNAPPED = 0
     NEVER = 1
@@ -23,9 +23,9 @@ class Outcome(IntEnum):
 UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
 OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
 REPEATED_STEP = 0.75
-"""The second run of a cell takes this fraction of the first one's step."""
+"""Step of the second run of a cell over that of the first."""
 WHOLE_SWING = 0.999
-"""Share of the last swing above which the beam has kept to one side."""
+"""Share of the last swing from which on the beam counts as having kept to one side."""
 
 
 def label(
@@ -35,11 +35,11 @@ def label(
     energy_error: np.ndarray,
     tolerance: float,
 ) -> np.ndarray:
-    """Outcome of each cell as an index into OUTCOMES, int8; the arguments are `Observations`.
+    """Label each cell by an index into OUTCOMES, int8; arguments are columns of `Observations`.
 
-    Proven for ever: `never` left the well of its start, 1, `latched` in the other, 2, `returned` to
-    1 after a snap. Open at the horizon: `unsnapped`, `snapped`. A run whose ledger does not close
-    within the tolerance has `failed`, whatever else it seems to show.
+    Proven for ever are `never` (it never left well 1, of its start), `latched` (in well 2) and
+    `returned` (to well 1 after a snap). Open at the horizon are `unsnapped` and `snapped`. A run
+    whose energy_error exceeds the tolerance has `failed`, whatever else it shows.
     """
     snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
     outcome = np.select(
@@ -51,23 +51,23 @@ def label(
 
 
 def count(outcome: np.ndarray) -> dict[str, int]:
-    """How many cells have which outcome, by name; no outcome has a count of 0."""
+    """Count the cells of each outcome, by its name; outcomes without cells are left out."""
     numbers = np.bincount(np.ravel(outcome), minlength=len(OUTCOMES))
     return {name: int(n) for name, n in zip(OUTCOMES, numbers, strict=True) if n}
 
 
 def ended_elsewhere(well_reproduced: np.ndarray, well_share: np.ndarray) -> np.ndarray:
-    """Whether a run with another step ended on the other side of the saddle, as in a cube.
+    """Return which cells ended on the other side of the saddle in a run with another step.
 
-    A cell that still goes back and forth over it ends on neither.
+    A cell that still swings over the saddle ends on no side. Arguments are variables of a cube.
     """
     return (well_reproduced == 0) & ~(well_share < WHOLE_SWING)
 
 
 def shares(counts: Mapping[str, int]) -> dict[str, float]:
-    """Shares of the cells that are proven, open and failed; those without a device do not count.
+    """Return the shares of proven, open and failed cells among those that are not `absent`.
 
-    counts: as from `count`
+    counts: cells by outcome, as `count` returns them
     """
     total = max(1, sum(counts.values()) - counts.get("absent", 0))
     groups = {
@@ -82,9 +82,9 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
 
 
 def work_error(observed: Observations, again: Observations) -> np.ndarray:
-    """Difference of the pulse's work over the larger of both, from 0 to 2; 0 where both are.
+    """Return the difference of the pulse's work in two runs over the larger of both, from 0 to 2.
 
-    NaN where one of them is not known.
+    It is 0 where both are 0, and NaN where either is unknown.
     """
     apart = abs(again.pulse_work - observed.pulse_work)
     larger = np.maximum(abs(again.pulse_work), abs(observed.pulse_work))
@@ -92,5 +92,5 @@ def work_error(observed: Observations, again: Observations) -> np.ndarray:
 
 
 def t_snap_error(observed: Observations, again: Observations) -> np.ndarray:
-    """Difference of the times of snap, us; NaN where one of them did not snap."""
+    """Return the difference of `t_snap` in two runs, us; NaN where either did not snap."""
     return abs(again.t_snap - observed.t_snap)

@@ -1,4 +1,4 @@
-"""The handout's scheme to the letter, central differences, as a plain loop."""
+"""The handout's scheme to the letter: central differences in a plain loop."""
 
 from typing import NamedTuple
 
@@ -15,13 +15,13 @@ from .settings import SECOND
 
 LANES = 1  # cells that are followed side by side
 PASSES = 3
-"""Times that a law of damping is asked in each step, for the velocity half way through it."""
+"""Iterations of a step with a law of damping, for the velocity half way through it."""
 SPARE = 1.44
-"""(omega dt)^2 that a law may add to those of the device, whose step is 0.8 of their limit: 4."""
+"""Most (omega dt)^2 that a law may add: the limit is 4, and a step at 0.8 of it leaves 1.44."""
 
 
 class System(NamedTuple):
-    """Eqs. (2), (4) and (5) in nodal unknowns; units um, ng, us.
+    """Coefficients of eqs. (2), (4) and (5) in n nodal unknowns; units um, ng, us.
 
     inertia, inverse_inertia, bending, geometric: (n, n); load, midpoint: (n,), as in `Basis`
     slope_start: (n,), G q0, of the shape at rest
@@ -29,8 +29,8 @@ class System(NamedTuple):
     mass, spring, penalty: M (ng), K (uN/um), lambda (uN/um)
     gap: z0, between mass and midpoint at rest, um
     beam_damping: rate alpha of the force -alpha Mb du/dt on the beam, 1/us
-    stop_toward, stop_away: travel of the mass up to a stop, um; restitution: of both
-    start: (n,), at which a run begins, from the first shape; side: 1, or -1 from the second shape
+    stop_toward, stop_away: travel of the mass up to a stop, um; restitution: of both stops
+    start: (n,), u at the begin of a run; side: 1, or -1 for runs from the second shape
     """
 
     inertia: np.ndarray
@@ -54,9 +54,9 @@ class System(NamedTuple):
 
 
 def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) -> System:
-    """Collect what the loop needs of a device (penalty contact) and its beam's basis.
+    """Collect the coefficients of a device with a penalty contact, on a basis of its beam.
 
-    start: the second shape, (n,), if a run begins there
+    start: u of the second shape, (n,), if a run begins there
     """
     scaled = settled(basis, device.beam).scaled_to(device.beam)
     return System(
@@ -83,7 +83,7 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
 
 @compiled
 def dot(a, b):
-    """a . b"""
+    """Return a . b."""
     total = 0.0
     for i in range(a.size):
         total = fma(a[i], b[i], total)
@@ -92,7 +92,7 @@ def dot(a, b):
 
 @compiled
 def multiply(matrix, vector, result):
-    """result = matrix vector; result is modified in place."""
+    """Set result to matrix vector, in place."""
     for i in range(vector.size):
         total = 0.0
         for j in range(vector.size):
@@ -102,7 +102,7 @@ def multiply(matrix, vector, result):
 
 @compiled
 def beam_stresses(system, u, bending_u, geometric_u):
-    """Kb u and G u, modified in place; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
+    """Set bending_u = Kb u and geometric_u = G u; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
     quadratic = 0.0
     for i in range(u.size):
         bending_row, geometric_row = 0.0, 0.0
@@ -116,7 +116,7 @@ def beam_stresses(system, u, bending_u, geometric_u):
 
 @compiled
 def total_energy(system, u, velocity, y, y_velocity, compression, penalty):
-    """Kinetic, bending, axial, spring and contact energy of beam and mass, pJ; penalty: uN/um."""
+    """Return kinetic, bending, axial, spring and contact energy in total, pJ; penalty: uN/um."""
     product = np.empty(u.size)
     multiply(system.inertia, velocity, product)
     beam = dot(velocity, product) / 2 + compression**2 / (4 * system.axial)
@@ -129,21 +129,21 @@ def total_energy(system, u, velocity, y, y_velocity, compression, penalty):
 
 @compiled
 def potential(system, w_mid, a, z):
-    """Energy of the mass at z: in its spring, in the contact with a midpoint at w_mid, under -a."""
+    """Return the energy of the mass at z: in its spring, in contact with w_mid, in the field -a."""
     overlap = max(0.0, w_mid - z - system.gap)
     return system.spring * z**2 / 2 + system.penalty * overlap**2 / 2 + system.mass * a * z
 
 
 @compiled
 def reflect(system, stop, w_mid, a, middle, velocity):
-    """Place and velocity half a step back of a mass that has passed a stop: at `middle` it had not.
+    """Return the place and velocity, after its reflection, of a mass that has passed a stop.
 
-    w_mid: of the midpoint there; a: of the frame
+    middle, velocity: half a step back, before the stop; w_mid: midpoint then; a: of the frame
     """
     at_stop, e = potential(system, w_mid, a, stop), system.restitution
     falls = 2 * (potential(system, w_mid, a, middle) - at_stop) / system.mass
     if velocity**2 + falls <= 0 and (middle - stop) * velocity < 0:
-        return middle, velocity  # it turns before it is there
+        return middle, velocity  # the mass turns before the stop
     left = e**2 * max(0.0, velocity**2 + falls)
     place = stop - e * (middle - stop)
     climbs = 2 * (potential(system, w_mid, a, place) - at_stop) / system.mass
@@ -154,9 +154,9 @@ def reflect(system, stop, w_mid, a, middle, velocity):
 
 @compiled
 def meet_stops(system, w_mid, a, y_before, y, dt):
-    """Two instants of a mass that is beyond a stop, as if it had bounced between them.
+    """Correct y of the last two instants, if the mass is beyond a stop, as if it had bounced.
 
-    Returns them with the work of the pulse on its way between both paths, and what it lost, pJ.
+    Returns both, the work of the pulse between the old and the new place, and the loss, pJ.
     """
     pushed, taken = 0.0, 0.0
     for side, travel in ((-1.0, system.stop_toward), (1.0, system.stop_away)):
@@ -173,23 +173,22 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
 def follow(
     system, pulse, amplitude, f0, damping, target, dt, steps, history, D=None, P=None, F=None
 ):
-    """March one cell by central differences until side w(L/2) is at `target` or `steps` are done.
+    """March a cell by central differences until side w(L/2) passes `target` or `steps` are done.
 
-    With u = q - q0 and y the displacement of the mass, from rest, at t = n dt:
+    With u = q - q0 and the displacement y of the mass, both from rest, at t = n dt:
 
         N = -EA/2L (2 u.G q0 + u.G u),  P = lambda <u(L/2) - y - z0>+
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
-    pulse: pieces, and what they begin and end with, as in `numerics.pieces`, over x = f0 t
-    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: from rest, um
+    pulse: pieces and ends, as `Pulse.curve` has them, over x = f0 t
+    amplitude: N g, um/us^2; f0: 1/us; damping: C, uN us/um; target: w(L/2) from rest, um
     history: (samples, 2 n + 4), modified in place: u, du/dt, y, dy/dt, work of the pulse and
         energy lost (pJ), at as many of the first instants as it holds
-    D, P, F: damping, contact and force of `Laws`; the compiler leaves out what is for others. The
-        ledger takes their work as it is, and does not close where P or F is too stiff for the step
-    Returns (t_snap, energy_error, pulse_work): us, NaN if the target is not reached; the energy
-    ledger's residual over the gross work of the pulse, not finite after a blow-up; pJ, of the whole
-    pulse, NaN if the run ended before it.
+    D, P, F: damping, contact and force of `Laws`; None for the device's, and the compiler drops
+        the code of the others. The ledger takes their work as it is; the error is infinite if P or
+        F is too stiff for the step
+    Returns t_snap, energy_error and pulse_work, as in `Observations`.
     """
     n = system.load.size
     u, u_before, u_after = system.start.copy(), system.start.copy(), np.zeros(n)
@@ -204,7 +203,7 @@ def follow(
     penalty = system.penalty if P is None else 0.0
     overlap, contact, push, lawful, law_power, too_stiff = -system.gap, 0.0, 0.0, 0.0, 0.0, False
     multiply(system.inverse_inertia, system.midpoint, acceleration)
-    yielding = dt**2 * dot(system.midpoint, acceleration)
+    mobility = dt**2 * dot(system.midpoint, acceleration)
     pieces, ends = pulse
     k, a = 0, 0.0
     compression = beam_stresses(system, u, bending_u, geometric_u)
@@ -222,17 +221,16 @@ def follow(
         if P is None:
             contact = system.penalty * max(0.0, w_mid - y - system.gap)
         else:
-            met, pressed, overlap = overlap, contact, w_mid - y - system.gap
-            contact = P(system.penalty, overlap)
-            harder = abs(contact - pressed) - system.penalty * abs(overlap - met)
-            yields = yielding + dt**2 / system.mass
-            too_stiff |= step > 0 and yields * harder > SPARE * abs(overlap - met)
+            overlap_before, contact_before, overlap = overlap, contact, w_mid - y - system.gap
+            contact, moved = P(system.penalty, overlap), abs(overlap - overlap_before)
+            harder = abs(contact - contact_before) - system.penalty * moved
+            too_stiff |= step > 0 and (mobility + dt**2 / system.mass) * harder > SPARE * moved
         if F is None:
             compression = beam_stresses(system, u, bending_u, geometric_u)
         else:
-            pushed, push = push, F(-w_mid)
+            push_before, push = push, F(-w_mid)
             moved = abs(w_mid - dot(system.midpoint, u_before))
-            too_stiff |= step > 0 and yielding * abs(push - pushed) > SPARE * moved
+            too_stiff |= step > 0 and mobility * abs(push - push_before) > SPARE * moved
         for i in range(n):
             if F is None:
                 force[i] = compression * (geometric_u[i] + system.slope_start[i]) - bending_u[i]
@@ -293,31 +291,31 @@ def follow(
 
 
 follow_laws = njit(nogil=True, error_model="numpy")(follow)
-"""With laws, which numba cannot keep on disk: a process compiles each set of them once."""
+"""`follow` with laws, which numba cannot keep on disk: a process compiles each set of them once."""
 follow = compiled(follow)
 
 
 def follower(laws):
-    """`follow`, with laws if there are any."""
+    """Return `follow` with the laws bound to it, if there are any."""
     if laws is None:
         return follow
     return lambda *run: follow_laws(*run, laws.damping, laws.contact, laws.force)
 
 
 def starting(model, start):
-    """Give the system of a model of one device whose runs begin in the first or second shape."""
+    """Return the system of a model of a single device whose runs begin as `start` says."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
     system = nodal_system(model.device, model.basis, nodes)
-    if model.laws and model.laws.force:  # it stands for bending, too
+    if model.laws and model.laws.force:  # it includes bending
         system = system._replace(bending=0.0 * system.bending)
     return system
 
 
 def march(model, cells, dt, settings):
-    """Follow cells to their snaps or the horizon, whatever the settings; nothing is proven.
+    """Follow cells to their snaps or t_end, whatever `settings.until`; nothing is proven.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
-    Returns what the SIMD kernel does; no well is known
+    Returns columns as in `kernel.lanes.Facts`, of which wells and `lowest` are unknown.
     """
     observed, run = np.empty((3, cells.f0.size)), follower(model.laws)
     for which in np.unique(cells.device):
@@ -327,8 +325,8 @@ def march(model, cells, dt, settings):
         target = picked.snap_target(settings.start)
         for i in np.flatnonzero(cells.device == which):
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
-            curve = cells.pulses[cells.pulse[i]].curve
-            load = curve, cells.amplitude[i], cells.f0[i], cells.damping[i]
+            pulse = cells.pulses[cells.pulse[i]].curve
+            load = pulse, cells.amplitude[i], cells.f0[i], cells.damping[i]
             observed[:, i] = run(system, *load, target, dt[i], steps, no_history)
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)

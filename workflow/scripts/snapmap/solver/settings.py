@@ -1,32 +1,34 @@
-"""How every cell of a study is followed."""
+"""Settings of the runs of a study."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
 UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
-"""Does it snap, from which N on, where does it stay, how does it move: each has its time step."""
-QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
-"""By how long a cell is followed, which question that answers.
+"""Questions to a run: does it snap, from which N on, where does it stay, how does it move.
 
-Beside UNTIL, within the solver: "edge" is "snap" in the steps that a threshold needs, "pulse" ends
-a run with its pulse or its snap, and "moved" is "settled" in the steps that the motion needs.
+Each has its own time step.
 """
+QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
+"""The question of a run, by `until`. The solver knows three words beside UNTIL: "edge" is "snap" in
+the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, and "moved" is
+"settled" in the steps that the motion needs."""
 FIRST, SECOND = STARTS = ("first", "second")
-"""The shape in which the beam rests at the start of a run; a snap is its arrival at the other."""
+"""The shape in which the beam rests at first; it snaps when it arrives at the other."""
 THRESHOLD_TOLERANCE = 1e-4
-"""How closely thresholds in N are refined by default, relative."""
+"""Default relative width to which thresholds in N are refined."""
 
 
 class Settings(NamedTuple):
-    """How each cell is followed, and how many threads work at it.
+    """Settings of runs.
 
     horizon: time followed after the pulse's end, us
-    until: "settled" follows a cell until its well is proven, "snap" ends it at its snap too
-    repeat: whether each cell is run again with another step, to see if its outcome is reproduced
-    energy_tolerance: a run is believed if its energy ledger closes within this share of the
-        pulse's gross work
-    start: the one of STARTS in which the beam rests at first
+    until: "settled" ends a run when its well is proven, "snap" also at its snap
+    repeat: whether each cell runs again with another step, to see if its outcome is reproduced
+    energy_tolerance: largest residual of the energy ledger of a believed run, over the pulse's
+        gross work
+    threads: number of threads, on which no result depends
+    start: one of STARTS
     """
 
     horizon: float = 1500.0
@@ -38,15 +40,15 @@ class Settings(NamedTuple):
 
     @property
     def question(self) -> str:
-        """The one of QUESTIONS that the cells answer."""
+        """The one of QUESTIONS that the runs answer."""
         return QUESTION[self.until]
 
     def without_threads(self) -> dict:
-        """Give all but the threads, on which no result depends, and a start in the first shape."""
+        """Return the settings by name, without threads, and without a start in the first shape."""
         usual = "threads", *(["start"] if self.start == FIRST else [])
         return {key: value for key, value in self._asdict().items() if key not in usual}
 
 
 def settings_of(values: Mapping) -> Settings:
-    """Give the settings of those by name; unless they say so, only settled cells are repeated."""
+    """Make settings of values by name; by default only cells followed until settled repeat."""
     return Settings(**{"repeat": values.get("until", "settled") == "settled", **values})

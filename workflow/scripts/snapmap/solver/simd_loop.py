@@ -1,4 +1,4 @@
-"""The SIMD kernels, called for the cells of a model."""
+"""Calls of the SIMD kernels for the cells of a model."""
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
@@ -18,15 +18,15 @@ from .kernel.trace import follow_stress, keep_midpoints
 from .settings import FIRST, SECOND
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
-"""By which w is multiplied, so that the midpoint of every run begins above its target."""
+"""Factor of w, by which the midpoint of every run begins above its target."""
 WINDOW = 64 * BLOCK
-"""Steps of a record that are in memory at once."""
+"""Steps whose midpoints are in memory at once."""
 
 
 def march(model, cells, dt, settings):
-    """Follow cells, each with the device that it names; returns `Facts`.
+    """Follow cells, (cells,), of a `Model`, as `Settings` say, in steps dt, us, (cells,).
 
-    model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,); settings: `Settings`
+    Returns `Facts`.
     """
     nothing = no_observations(cells.f0.shape)
     facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
@@ -51,14 +51,15 @@ def march(model, cells, dt, settings):
 
 @lru_cache(maxsize=1)
 def _coefficients(model, start):
-    """Keep the last coefficients of runs that may snap, as a batch is followed many times."""
+    """Return `coefficients` of runs that may snap, and keep them for the next call of a batch."""
     return coefficients(model, model.snap_target(start), start)
 
 
 def largest_stress(model, cells, dt, steps, rows, start=FIRST):
-    """Follow up to LANES cells, each for its steps, for the largest stress; MPa, (cells,).
+    """Follow up to LANES cells for the largest tensile stress, MPa, (cells,).
 
-    dt: us, (cells,); rows: of the cells, (cells, ...), as `stress_rows` has them of their devices
+    dt: us, (cells,); steps: number of each cell, (cells,)
+    rows: the cells' rows of `stress_rows`, (cells, PLACES + 1, modes + 2)
     """
     rows, largest = rows.copy(), np.full(dt.size, -np.inf)
     rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
@@ -69,9 +70,10 @@ def largest_stress(model, cells, dt, steps, rows, start=FIRST):
 
 
 def midpoints(model, cells, dt, steps, start=FIRST):
-    """Follow up to LANES cells; yield first step and w(L/2) from rest of one WINDOW after another.
+    """Follow up to LANES cells; yield the first step of each WINDOW, and w(L/2) from rest in it.
 
-    dt: us, (cells,); steps: of all; w: half way through each step, um, (steps, cells)
+    dt: us, (cells,); steps: number for all cells
+    w(L/2) is half way through each step, um, (steps, cells).
     """
     lanes, state, pulses = empty_lanes(model), no_pulse(), table(cells.pulses)
     rows = coefficients(model, -np.inf, start)
@@ -85,10 +87,10 @@ def midpoints(model, cells, dt, steps, start=FIRST):
 
 
 def stress_rows(model):
-    """Tabulate what gives the stress of each device's beam, (devices, PLACES + 1, modes + 2).
+    """Tabulate the stress of each device's beam, MPa, (devices, PLACES + 1, modes + 2).
 
-    Rows of bending, MPa per coordinate, per contact force and at rest; a last one of the axial
-    stress, per stretch and at rest
+    The first PLACES rows are bending stress per coordinate, per contact force, and at rest; in the
+    last row, the last two numbers are axial stress per stretch, and at rest.
     """
     tables = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
     for i, rows in enumerate(tables):
@@ -100,10 +102,11 @@ def stress_rows(model):
 
 
 def coefficients(model, target, start=FIRST):
-    """Build a row for each device, in the order of the rows of X, with forces times dt^2.
+    """Tabulate what `kernel.lanes.load` takes of each device: (devices, coefficients).
 
-    model: a `Model`; start: as in `Settings`
-    target: where a run counts as snapped, as from `Model.snap_target`; -inf for never
+    A row has numbers in the order of the kernel's rows, up to SIDE, then the vectors from KAPPA on,
+    and the modes at the start.
+    model: a `Model`; start: as in `Settings`; target: as `Model.snap_target`, or -inf for no snap
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     side, n, k = SIDE[start], len(device), model.modes
@@ -131,15 +134,15 @@ def coefficients(model, target, start=FIRST):
 
 
 def in_lanes(follow, lengths, threads):
-    """Call `follow` for LANES cells at a time, by indices in order of their lengths, (cells,)."""
-    # Lanes run together to the end of the longest: those of one call should be of one length.
+    """Call `follow` with indices of LANES cells at a time, in order of their lengths, (cells,)."""
+    # Lanes run together until the longest ends: those of a call should be of equal length.
     order = np.argsort(lengths, kind="stable")
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
 
 
 def empty_lanes(model):
-    """Make the work array and the shape that the kernels of a model take, empty."""
+    """Make an empty work array, and the tuple whose length tells kernels the number of modes."""
     padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]

@@ -1,4 +1,4 @@
-"""How long the time steps of a run are: by the question, the pulse and the device; and limits."""
+"""The time step of a run, by question, pulse and device; and the limit of stability."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,48 +17,46 @@ OF_LIMIT = 0.8
 # ASSUME: no run bends the beam further than this multiple of its start; see docs/accuracy.md.
 TENSION_REACH = 1.25
 FEWEST_STEPS = 16
-"""Steps in each swing of any pulse: its sum is then exact to 1e-4."""
+"""Fewest steps in each swing of a pulse, whose sum then is exact to 1e-4."""
 MORE = 1.5
-"""No factor makes the steps of the shortest pulses and fastest blows longer than so many times."""
+"""Largest factor that multiplies the steps of the shortest pulses and fastest strikes."""
 # ASSUME: the steps are chosen by measurement, see docs/accuracy.md.
 PER_SWING = 500
 """Steps in each swing of a pulse that is slow for the device."""
 SHORTEST = 0.15
-"""Shortest step, in units of 1/omega of the arch; only FEWEST_STEPS asks for shorter ones."""
+"""Shortest step, in units of 1/omega of the arch; only FEWEST_STEPS and strikes ask for less."""
 BLOWS = 400.0
-"""Radians of the arch in each swing of a pulse up to which EDGE has the shortest steps: below,
-blows decide. Longer pulses leave it steps that grow with the square of their length."""
+"""Radians of the arch in a swing of a pulse up to which single blows of the mass decide, and EDGE
+takes the shortest steps. For longer pulses its steps grow with the square of their length."""
 LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
 LONGEST_PRESSED = 2.5
-"""The same for SNAP and EDGE of a mass that is pressed on the beam and strikes without a run-up,
-unless its spring holds it back."""
+"""Longest step for SNAP and EDGE if the mass is pressed on the beam, so that it cannot strike with
+a run-up, and its spring does not hold it back."""
 MOST, MOST_ALONE = 1100.0, 20_000.0
-"""Steps in each swing of a smooth pulse that are enough for SNAP and EDGE, however slow: the beam
-follows it from rest to rest. The second where it snaps alone, without a mass, or as its spring
-holds the mass back."""
+"""Most steps in each swing of a smooth pulse for SNAP and EDGE, as the beam follows a slow pulse
+from rest to rest. MOST_ALONE is for a beam that snaps without the mass."""
 HEAVY, HOLDS = 16.0, 5.0
-"""Mass over the beam's with whose fourth root they grow, and stiffness of a spring over the clamped
-beam's, 192 EI/L^3, from which on it holds the mass back, so that the beam leaves it."""
+"""HEAVY: mass over the beam's from which on MOST grows, with its fourth root. HOLDS: stiffness over
+the clamped beam's, 192 EI/L^3, at which a spring holds the mass back from a beam that snaps."""
 STRIKE_TURN = 2.0
-"""Radians a step that the fastest mode turns by the tension in which a mass that flies stretches
-the beam; in longer steps energy is kept and goes to the wrong modes."""
+"""Most radians per step by which the fastest mode turns under the tension of a strike; in longer
+steps the energy is conserved, but goes to the wrong modes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """The rule of the steps of a batch of devices.
+    """The rule of the time steps of a batch; all but per_swing and factor are (devices,).
 
-    longest: us, (devices,), by question
-    shortest: us, (devices,): so long a step resolves the device, however short the pulse
-    blows: us, (devices,): swings up to which blows decide
-    pressed: us, (devices,): longest for SNAP and EDGE where it is pressed on the beam
-    returns: whether it comes back from a stop, (devices,)
-    most: steps in each swing of a smooth pulse that are enough for SNAP and EDGE, (devices,)
-    tightening: 1/(um us), (devices,): square of the frequency of the fastest mode by the tension of
-        a strike, over the speed of the mass
-    per_swing: steps in each swing of a pulse
-    factor: by which all are multiplied
+    longest: longest step by question, us
+    shortest: step that resolves the device, however short the pulse, us
+    blows: swing of a pulse up to which blows decide, us
+    pressed: longest step for SNAP and EDGE if the mass is pressed on the beam, us
+    returns: whether the mass may come back from a stop
+    most: most steps in each swing of a smooth pulse, for SNAP and EDGE
+    tightening: as in `strike_tightening`, 1/(um us)
+    per_swing: steps in each swing of a pulse that is slow for the device
+    factor: multiplies every step
     """
 
     longest: Mapping[str, np.ndarray]
@@ -72,9 +70,9 @@ class Steps:
     factor: float = 1.0
 
     def of(self, cells: Cells, question: str, speed: np.ndarray | float = 0.0) -> np.ndarray:
-        """Time step of each cell, us, in the cells' shape.
+        """Return the step of each cell, us, in the cells' shape.
 
-        speed: of a mass that starts apart from the beam, whatever the gap, um/us; 0 of others
+        speed: largest speed of a mass that starts apart from the beam, um/us; 0 for other masses
         """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
@@ -95,11 +93,11 @@ class Steps:
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
 
     def times(self, factor: float) -> "Steps":
-        """Give the same rule with every step multiplied by `factor`, but for very short pulses."""
+        """Return the rule with every step multiplied by `factor`, or by MORE for short pulses."""
         return replace(self, factor=factor * self.factor)
 
     def pick(self, which: int | np.ndarray) -> "Steps":
-        """Give the rule of one device of the batch, or of several."""
+        """Return the rule of a device of the batch, or of several."""
         which = np.atleast_1d(which)
         longest = {question: step[which] for question, step in self.longest.items()}
         columns = {key: a[which] for key, a in vars(self).items() if isinstance(a, np.ndarray)}
@@ -107,7 +105,7 @@ class Steps:
 
 
 def fixed(dt: np.ndarray) -> Steps:
-    """Give the rule of one step for each device, us, (devices,), but for very short pulses."""
+    """Return the rule of a constant step of each device, us, (devices,), but for short pulses."""
     return Steps(
         longest=dict.fromkeys(QUESTIONS, dt),
         shortest=dt,
@@ -121,47 +119,48 @@ def fixed(dt: np.ndarray) -> Steps:
 
 
 def spring_share(device: Device) -> Value:
-    """How far the spring holds the mass back, so that the beam snaps alone, from 0 to 1."""
+    """Return, from 0 to 1, how far the spring holds the mass back, so that the beam snaps alone."""
     over = device.spring / (HOLDS * 192 * device.beam.stiffness_unit)
     cube = over * over * over
     return np.where(device.is_alone, 1.0, cube * cube / (1 + cube * cube))
 
 
 def most_steps(device: Device) -> Value:
-    """Steps in each swing of a smooth pulse that are enough, however slow."""
+    """Return the most steps that a swing of a smooth pulse needs, however slow it is."""
     beam, share = device.beam, spring_share(device)
     heavy = 1 + device.mass / (HEAVY * beam.mass_per_length * beam.span)
     return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
 def strike_tightening(device: Device, modal: ModalBeam) -> Value:
-    """Square of the frequency of the fastest mode over the speed of a mass that strikes, 1/(um us).
+    """Return omega^2 / v of the fastest mode under the tension of a strike at speed v, 1/(um us).
 
-    By tension alone, that of a beam whose stretch has taken the energy of the mass: T = axial Q,
-    axial Q^2/4 = M v^2/2. The kernel turns a mode by itself as it should, not by tension.
+    The tension T = axial Q is that of a beam whose stretch has taken the energy of the mass,
+    axial Q^2/4 = M v^2/2. Bending is left out: the kernel turns a mode by that exactly.
     """
     return np.sqrt(2 * device.mass * modal.axial) * modal.geometric[..., -1, -1]
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:
-    """Most that a pulse can move a mass on its spring without damping, um/us, in the cells' shape.
+    """Bound the speed of the undamped mass on its spring, um/us, in the cells' shape.
 
-    No more than by all of its area, nor by all of its ups and downs; 0 where there is no mass.
+    The integral of |a| is a bound, and so is the total variation of a over the frequency of the
+    mass; the speed is 0 without a mass.
     """
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in cells.pulses])
-    gross, ups_and_downs = facts.T[:, cells.pulse]
-    swing = ups_and_downs / np.atleast_1d(device.mass_frequency)[cells.device]
+    gross, variation = facts.T[:, cells.pulse]
+    swing = variation / np.atleast_1d(device.mass_frequency)[cells.device]
     speed = abs(cells.amplitude) * np.minimum(gross / cells.f0, swing)
     return np.where(np.atleast_1d(device.is_alone)[cells.device], 0.0, speed)
 
 
 def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
-    """Give the rule of central differences, one step for each device."""
+    """Return the rule of central differences, a constant step for each device."""
     return fixed(np.atleast_1d(OF_LIMIT * stability_limit(device, modal)))
 
 
 def steps_of(device: Device, modal: ModalBeam) -> Steps:
-    """Give the rule of a device or a batch."""
+    """Return the rule of the kernels for a device or a batch."""
     period = np.atleast_1d(1 / arch_frequency(modal))
     crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
     share = np.where(crosses, 1.0, spring_share(device))
@@ -179,10 +178,10 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
 
 
 def stability_limit(device: Device, modal: ModalBeam) -> Value:
-    """2/omega_max, us, of the stiffest state that a run is expected to meet; docs/theory.md.
+    """Return 2/omega_max, us, of the stiffest state that a run is expected to meet; docs/theory.md.
 
-    The tangent stiffness kappa + T S + EA/L (S q)(S q)^T + contact, with q the start or its mirror
-    image, TENSION_REACH times as far, and T the tension there.
+    The tangent stiffness there is kappa + T S + EA/L (S q)(S q)^T + contact, with q = TENSION_REACH
+    times the start or its mirror image, and the tension T at q.
     """
     slope, identity = TENSION_REACH * modal.slope_start, np.eye(modal.load.shape[-1])
     stretch = dot(modal.slope_start, solve(modal.geometric, modal.slope_start))
@@ -196,6 +195,6 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
 
 
 def arch_frequency(modal: ModalBeam) -> Value:
-    """About how fast the arch swings with its axial stiffness, 1/us: kappa_1 + EA/L |S q0|^2."""
+    """Estimate omega of the arch, 1/us: omega^2 = kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)

@@ -1,6 +1,6 @@
-"""The kernels of every modal model: differences that conserve energy, one cell per SIMD lane.
+"""The kernels of all modal models: an energy-conserving scheme with a cell in each SIMD lane.
 
-Each lane has coefficients of its own, so cells of different devices share a call, and no lane's
-result depends on its neighbours. A function compiled for k modes gets them as `shape`, a tuple of k
-numbers, whose length the compiler knows.
+Lanes have separate coefficients, so that cells of different devices share a call, and no result
+depends on other lanes. A function is compiled for k modes by its argument `shape`, a tuple of k
+numbers, as the compiler knows the length of a tuple.
 """

@@ -1,4 +1,4 @@
-"""Cells in lanes: each is loaded, checked after each block by its energies, and makes room."""
+"""Cells in lanes: loaded, checked by their energies after each block, and replaced when done."""
 
 from typing import NamedTuple
 
@@ -11,20 +11,20 @@ from .rows import LANES, numbers, vectors
 from .step import advance
 
 MARGIN = 2.0
-"""A proof must hold by this many times the largest residual of the energy ledger seen so far."""
+"""Margin of a proof over the largest residual of the energy ledger so far."""
 ROUNDING = 1e-12
-"""A proof must hold by this share of the barrier, too: more than rounding does to either."""
+"""Further margin of a proof over the barrier, larger than errors of rounding."""
 EXACT = 2.0
-"""Radians a step up to which a mode by itself swings exactly; faster modes swing too slowly."""
+"""Radians per step up to which a free mode swings exactly; faster modes swing too slowly."""
 OPENED = 4.0
-"""A run is given up at the check at which its ledger misses by this many times the tolerance."""
+"""Residual of the ledger over its tolerance at which a run is given up."""
 
 
 class Facts(NamedTuple):
-    """What a kernel observes of each cell, as in `Observations`; (cells,), modified in place.
+    """Observations of a kernel, as in `Observations`; (cells,), modified in place.
 
-    These are not fields of `Observations`, as a kernel on disk is known by the sources of its
-    folder: a field that moved elsewhere would go unseen.
+    They are listed here again, as kernels on disk are named by the sources of this folder: a change
+    of `Observations` would go unnoticed.
     """
 
     t_snap: np.ndarray
@@ -37,14 +37,13 @@ class Facts(NamedTuple):
 
 
 class Task(NamedTuple):
-    """Cells to follow, and what for.
+    """Cells to follow, when to stop, and room for their facts.
 
-    devices: their coefficients, (n_devices, coefficients), as `simd_loop.coefficients` has them
-    pulses: as in `numerics.pieces`, over x = f0 t: the pieces of all, (pieces, 6), where each one's
-        begin and end, (pulses + 1,), and what it begins and ends with, (pulses, 2)
-    device, ..., t_end: as in `Cells`; dt: us; (cells,)
-    stop_at_snap, stop_after_pulse: whether a run ends there, too
-    tolerance: of the ledger, over the gross work of the pulse; a run that exceeds it is given up
+    devices: (devices, coefficients), as `simd_loop.coefficients` returns them
+    pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
+    device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
+    stop_at_snap, stop_after_pulse: whether a run ends there too
+    tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
 
     devices: np.ndarray
@@ -66,9 +65,9 @@ class Task(NamedTuple):
 def load(work, shape, l, device, damping, amplitude, dt):
     """Put a cell at rest into lane l, in coordinates in which every mode has mass 1.
 
-    Of the inertia G = g + kappa dt^2/4 a mode's coordinate is stretched by 1/s = sqrt(G), with
-    g = (x/2 cot x/2)^2, x = omega dt up to EXACT.
-    device: as `simd_loop.coefficients` has it; damping: C, uN us/um; amplitude: um/us^2; dt: us
+    The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
+    dt, at most EXACT; so its coordinate is stretched by 1/s = sqrt(G).
+    device: row of `simd_loop.coefficients`; damping: C, uN us/um; amplitude: um/us^2; dt: us
     """
     work[l::LANES] = 0.0
     modes = len(shape)
@@ -114,7 +113,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
 
 @inlined
 def begin(X, V, modes, l):
-    """Set the rest of the state of lane l, whose modes are at rest at P."""
+    """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
     for i in range(modes):
         u = 2 * V[R.SQ0, i, l]
@@ -129,7 +128,7 @@ def begin(X, V, modes, l):
 
 @inlined
 def check_lane(X, V, modes, l, cell, state, task):
-    """Whether the run in lane l is over, after a block; writes its facts if it is."""
+    """Return whether the run in lane l is over, after a block; if it is, write its facts."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
         X[R.SINCE, l], X[R.BEYOND_SINCE, l] = steps, X[R.BEYOND, l]
@@ -155,7 +154,7 @@ def check_lane(X, V, modes, l, cell, state, task):
     if not ended and well == 0:
         return False
 
-    # Facts are not unpacked above: references to its arrays take 7 % of a run.
+    # Facts are unpacked only here: references to their arrays take 7 % of a run.
     facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
     facts.pulse_work[cell] = X[R.WORK, l] / (2 * dt**2) if steps >= state.lasts[l] else np.nan
@@ -176,7 +175,7 @@ def check_lane(X, V, modes, l, cell, state, task):
 
 @inlined
 def half_step_midpoint(V, modes, l):
-    """Give e.p at the last half step."""
+    """Return e.p at the last half step."""
     w = 0.0
     for i in range(modes):
         d, p = V[R.D, i, l], V[R.P, i, l]
@@ -186,9 +185,9 @@ def half_step_midpoint(V, modes, l):
 
 @inlined
 def energies(X, V, modes, l):
-    """Give the energies of the beam, the mass and contact, whose sum `advance` conserves; and w.
+    """Return the energies of beam, mass and contact, whose sum `advance` conserves, and w.
 
-    They are those of the last half step: products of two instants stand for squares.
+    They hold at the last half step, where products of two instants replace squares.
     """
     beam = X[R.AXIAL, l] * X[R.Q, l] ** 2 / 4
     for i in range(modes):
@@ -204,7 +203,7 @@ def energies(X, V, modes, l):
 
 @inlined
 def ledger(X, V, modes, l, drag):
-    """Give what `energies` does, and energy + losses - work of the pulse - energy at the start.
+    """Return `energies`, and the residual energy + losses - work of the pulse - energy at start.
 
     drag: C dt
     """
@@ -215,16 +214,16 @@ def ledger(X, V, modes, l, drag):
 
 
 @inlined
-def proven_well(X, l, kept, margin):
-    """Give the well that the beam can never leave without a shock, or 0 if that is open.
+def proven_well(X, l, parts, margin):
+    """Return the well that the beam can never leave without a shock, or 0 if that is open.
 
-    1 is the well in which it started, 2 the other. Energy only falls after the pulse. A well is
-    closed if all energy is below the barrier; that of midpoints below the saddle, too, if the
-    beam's alone is and the mass on its spring cannot swing as low as the saddle.
+    Well 1 is that of the start, 2 the other. Energy only falls after the pulse. The beam cannot
+    leave if all energy is below the barrier; nor can it leave the well below the saddle if its own
+    energy is below the barrier and the mass on its spring cannot swing as low as the saddle.
 
-    kept: what `energies` gives; margin: by which a proof must hold
+    parts: as `energies` returns them; margin: energy by which a proof must hold
     """
-    beam, mass, contact, w = kept
+    beam, mass, contact, w = parts
     barrier, side = X[R.BARRIER, l], X[R.SIDE, l]
     saddle, well = side * X[R.SADDLE, l], 1 if side * w > X[R.SADDLE, l] else 2
     if beam + mass + contact + margin < barrier:
@@ -237,10 +236,7 @@ def proven_well(X, l, kept, margin):
 
 @compiled
 def follow_all(work, shape, task):
-    """Follow every cell until its well is proven or t_end is past, refilling each free lane.
-
-    work: the work array; task: `Task`, whose facts are written
-    """
+    """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
     widen_vectors()
     work[:] = 0.0
     X, V = numbers(work), vectors(work, len(shape))

@@ -1,4 +1,4 @@
-"""The shock of each lane, set out block by block."""
+"""The shock of each lane, tabulated block by block."""
 
 from typing import NamedTuple
 
@@ -10,14 +10,14 @@ from . import rows as R
 from .rows import LANES, numbers
 
 BLOCK = 128
-"""Steps between two checks of the lanes; the pulse is set out for so many at a time."""
+"""Steps in a block: lanes are checked after it, and pulses are tabulated for it."""
 
 
 class PulseState(NamedTuple):
-    """How far the pulse of each lane is, (LANES,); modified in place.
+    """Progress of the pulse of each lane, (LANES,); modified in place.
 
-    pulse: its number; piece: the last one that was entered; steps: done; lasts: steps until it is
-    over
+    pulse: its number; piece: number of the last piece that was entered
+    steps: number of steps done; lasts: number of samples until the pulse is over
     """
 
     pulse: np.ndarray
@@ -35,7 +35,7 @@ def no_pulse():
 
 @compiled
 def begin_pulse(work, l, state, pulses, pulse, x_step):
-    """Begin a pulse in lane l; pulses: as in `Task`; x_step: f0 dt."""
+    """Begin a pulse, by its number, in lane l; pulses: as in `Task`; x_step: f0 dt."""
     bounds, jumps = pulses[1:]
     state.pulse[l], state.piece[l], state.steps[l] = pulse, bounds[pulse] - 1, 0
     state.lasts[l] = curve.lasts(jumps[pulse, 1], x_step)
@@ -44,7 +44,7 @@ def begin_pulse(work, l, state, pulses, pulse, x_step):
 
 @compiled
 def set_out(work, shocks, state, pulses):
-    """Set a dt^2 of each step of the next block, (BLOCK LANES,), as X has the lanes of a row."""
+    """Set shocks, (BLOCK LANES,), to a dt^2 of each lane in each step of the next block."""
     pieces, bounds, jumps = pulses
     X, joined = numbers(work), 0
     for l in range(LANES):
@@ -52,7 +52,7 @@ def set_out(work, shocks, state, pulses):
         left = state.lasts[l] - steps
         X[R.PULSE_LEFT, l] = left
         if left <= 0:
-            # What a lane goes on with must not grow: denormal numbers would slow down all.
+            # A finished lane goes on with zeros: denormal numbers would slow down all lanes.
             for name in range(R.PIECE, R.PULSE_LEFT):
                 X[name, l] = 0.0
             continue
@@ -69,7 +69,7 @@ def set_out(work, shocks, state, pulses):
         joins |= left <= BLOCK + 1 and jumps[pulse, 1] != 0
         joined |= joins << l
     go_on(work, shocks)
-    # Where pieces join in a block, or the pulse jumps, each step has its own.
+    # Lanes whose pieces join in this block, or whose pulse jumps, are sampled step by step.
     for l in range(LANES):
         if joined >> l & 1:
             pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
@@ -83,9 +83,9 @@ def set_out(work, shocks, state, pulses):
 
 @compiled
 def go_on(work, shocks):
-    """Follow each lane's piece through a block, from x = PULSE on, whatever comes behind it.
+    """Tabulate each lane's piece in a block, from x = PULSE on, also beyond the end of the piece.
 
-    It takes the recurrence of a sine of phase p a step: v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
+    A wave v of phase p per step follows v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).
     """
     widen_vectors()
     X = numbers(work)

@@ -1,8 +1,8 @@
-"""The rows of the work array; what each is stands in docs/theory.md, section "Symbols".
+"""The rows of the work array; docs/theory.md, section "Symbols", explains each.
 
-All state and coefficients of the cells in flight stand in one flat array, a row of LANES numbers
-for each letter. Times are counted in steps, forces are times dt^2. Modules import this one as R:
-X[R.Y, l] is y of lane l, V[R.P, i, l] component i of p, and V[R.S + i, j, l] S_ij.
+The state and coefficients of all running cells are in a single flat array, with a row of LANES
+numbers for each symbol. Time is counted in steps, and forces are times dt^2. Modules import this
+one as R: X[R.Y, l] is y of lane l, V[R.P, i, l] is component i of p, and V[R.S + i, j, l] is S_ij.
 """
 
 from numba import carray, int64, types
@@ -32,7 +32,7 @@ P, D, U, D_FREE, KAPPA, SQ0, F, E, S = range(9)
 
 @intrinsic
 def address(context, array, first):
-    """Give the address of a flat array's number `first`."""
+    """Return the address of element `first` of a flat array."""
 
     def build(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -43,19 +43,19 @@ def address(context, array, first):
 
 @inlined
 def numbers(work):
-    """X, the rows of one number.
+    """Return X, the rows of single numbers.
 
-    The compiler knows its size and that of V; only so does it see that no two rows overlap, and
-    vectorises over lanes.
+    The compiler vectorises over lanes only because it knows the sizes of X and V, and thus that no
+    two rows overlap.
     """
     return carray(address(work, 0), (VECTORS, LANES))
 
 
 @inlined
 def vectors(work, modes):
-    """V, the rows of vectors.
+    """Return V, the rows of vectors.
 
-    `modes` is handed on to all that loops over them: from V's own shape the compiler learns it too
-    late to unroll.
+    Functions that loop over modes get their number as an argument: from the shape of V the compiler
+    learns it too late to unroll.
     """
     return carray(address(work, VECTORS * LANES), (S + modes, modes, LANES))

@@ -1,4 +1,4 @@
-"""One step in which contact and stretch do the work they store, and the stops of the mass.
+"""A step in which contact and stretch do exactly the work that they store; stops of the mass.
 
 See docs/theory.md, "One step" and "Stops".
 """
@@ -15,16 +15,16 @@ from .rows import LANES, numbers, vectors
 def advance(work, shape, shocks, first, steps):
     """Advance every lane by `steps` steps.
 
-    shocks: a dt^2 of each step of a block, as `set_out` leaves them; first: the step to begin with
+    shocks: a dt^2 of each step of a block, as `set_out` sets them; first: index of the first step
 
-    At half steps q = p.S p+ + (p + p+).S q0 and x = e.(p + p+)/2 - (y + y+)/2 - z0, z0 the gap at
-    rest; with u = S p + S q0,
+    At half steps q = p.S p+ + (p + p+).S q0 is the stretch and x = e.(p + p+)/2 - (y + y+)/2 - z0
+    the overlap, with the gap z0 at rest. With u = S p + S q0,
 
     r = (q+ + q-)/2,  N = -EA/2L r,  P = k (<x+>^2 - <x->^2) / 2 (x+ - x-)
     p+ - 2 p + p- + alpha dt/2 (p+ - p-) = dt^2 (-kappa p + N u - f a - e P)
     M (y+ - 2 y + y-) + C dt/2 (y+ - y-) = dt^2 (-M a - K y + P)
 
-    r is linear in P, and x+ in both: x+ = F - beta P, which has one root.
+    r is linear in P, and so is x+ = F - beta P, which with P(x+) has a single root.
     """
     widen_vectors()
     X, V = numbers(work), vectors(work, len(shape))
@@ -42,22 +42,22 @@ def advance(work, shape, shocks, first, steps):
 
 @inlined
 def take(X, shocks, step):
-    """a of this step of every lane; apart, as only so the compiler keeps lanes side by side."""
+    """Set a of this step; in a loop of its own, as else the compiler separates the lanes."""
     for l in range(LANES):
         X[R.A, l] = shocks[step * LANES + l]
 
 
 FEW = 5
-"""So many modes LLVM takes in one loop."""
+"""Most modes that LLVM unrolls in a single loop."""
 
 
 def over_modes(loop, times):
-    """Make of a loop over modes `first` to `last` a function over all, which cuts many in parts.
+    """Make a function over all modes of a loop over modes `first` to `last`.
 
-    LLVM unrolls a short loop and gives up on a longer one, and only what is unrolled vectorises
-    over lanes; else a step takes twice the time. More cuts than that takes cost compiling, so which
-    loop it is is chosen by the type of `shape`.
-    times: how often the loop over more than FEW modes is cut in two
+    LLVM unrolls short loops only, and only an unrolled one vectorises over lanes; else a step takes
+    twice the time. So a loop over more than FEW modes is cut; the type of `shape` decides, as each
+    cut takes time to compile.
+    times: how often a long loop is cut in two
     """
     parts = loop
     for _ in range(times):
@@ -75,7 +75,7 @@ def over_modes(loop, times):
 
 
 def halved(loop):
-    """Cut a loop over modes in two."""
+    """Make a loop over modes that runs as two loops, each over half of them."""
 
     @inlined
     def both(X, V, modes, l, first, last, sums):
@@ -88,9 +88,9 @@ def halved(loop):
 
 @inlined
 def release_modes(X, V, modes, l, first, last, sums):
-    """d_free = keep d + b (-kappa p - f a) and u = S p + S q0 of modes first to last, not included.
+    """Set d_free = keep d + b (-kappa p - f a) and u = S p + S q0, of modes first to last - 1.
 
-    sums: u.u, e.u, e.p, e.d_free and u.(d + d_free) so far
+    sums: u.u, e.u, e.p, e.d_free and u.(d + d_free) of the modes before; returned with these
     """
     uu, eu, ep, ef, ud = sums
     a = X[R.A, l]
@@ -112,7 +112,7 @@ release_all = over_modes(release_modes, 3)
 
 @inlined
 def touch(X, l, sums):
-    """F and beta of the overlap, and P where no contact opens or closes; sums: of `release_all`."""
+    """Set F and beta, and P if no contact opens or closes; sums: as `release_all` returns them."""
     uu, eu, w, ef, ud = sums
     a, y, overlap = X[R.A, l], X[R.Y, l], X[R.OVERLAP, l]
     pull = fma(-X[R.M, l], a, -X[R.K, l] * y)
@@ -140,7 +140,7 @@ def touch(X, l, sums):
 
 @inlined
 def switch_contacts(X):
-    """P of the lanes in which a contact opens or closes, by its square root."""
+    """Set P, by the root of a quadratic, in lanes in which a contact opens or closes."""
     switches = False
     for l in range(LANES):
         switches |= X[R.SWITCHES, l] > 0.0
@@ -157,10 +157,10 @@ def switch_contacts(X):
 
 @inlined
 def meet(X, l):
-    """q and x at the next half step, w = e.p - c P; returns 2 gamma r.
+    """Set q and x at the next half step, and w = e.p - c P; returns 2 gamma r.
 
-    w, of a run from the second shape -w, is latched, with the value before, at the first instant at
-    or below the target.
+    At the first instant at which w, or -w in a run from the second shape, is at or below the
+    target, it is latched with the value before.
     """
     force, b = X[R.FORCE, l], X[R.BEAM_B, l]
     r = fma(-X[R.EU, l] * (b / 2), force, X[R.Q_FREE, l])
@@ -180,9 +180,9 @@ def meet(X, l):
 
 @inlined
 def press_modes(X, V, modes, l, first, last, sums):
-    """`press`, of modes first to last, not included.
+    """Set p+ as in `press`, of modes first to last - 1.
 
-    sums: 2 gamma r, b P, and f.(p+ - p-) and |p+ - p-|^2 so far
+    sums: 2 gamma r, b P, and f.(p+ - p-) and |p+ - p-|^2 of the modes before; returned with these
     """
     pull, kick, swept, squared = sums
     for i in range(first, last):
@@ -201,7 +201,7 @@ press_all = over_modes(press_modes, 4)
 
 @inlined
 def press(X, V, shape, l, pull):
-    """p+ = p + d_free - 2 gamma r u - b e P,  y+ = y + dy_free + B P; pull: 2 gamma r."""
+    """Set p+ = p + d_free - 2 gamma r u - b e P and y+ = y + dy_free + B P; pull: 2 gamma r."""
     kick = X[R.BEAM_B, l] * X[R.FORCE, l]
     sums = press_all(X, V, shape, l, (pull, kick, 0.0, X[R.BEAM_SWEPT, l]))
     _, _, swept, X[R.BEAM_SWEPT, l] = sums
@@ -216,7 +216,7 @@ def press(X, V, shape, l, pull):
 
 @compiled
 def has_stops(work):
-    """Whether the mass of any lane has one; an empty lane has zeros there."""
+    """Return whether the mass of any lane has a stop; empty lanes have zeros there."""
     X, any_lane = numbers(work), False
     for l in range(LANES):
         any_lane |= 0.0 < X[R.STOP_TOWARD, l] < np.inf
@@ -226,7 +226,7 @@ def has_stops(work):
 
 @compiled
 def crossed(work):
-    """Whether the mass of any lane is beyond a stop."""
+    """Return whether the mass of any lane is beyond a stop."""
     X, any_lane = numbers(work), False
     for l in range(LANES):
         any_lane |= (X[R.Y, l] < -X[R.STOP_TOWARD, l]) | (X[R.Y, l] > X[R.STOP_AWAY, l])
@@ -235,10 +235,10 @@ def crossed(work):
 
 @compiled
 def meet_stops(work):
-    """Reflect every mass that is beyond a stop and moves on; (m, d) at the last half step.
+    """Reflect every mass that is beyond a stop and moves on.
 
-    It stays within its energy there: v^2 = d^2 + 2 (U(m) - U(s)) dt^2/M is its speed at the stop s,
-    e v that with which it leaves, and m' = s - e (m - s) where it then is.
+    At the last half step it was at m with speed d. In the potential U it meets the stop s with
+    v^2 = d^2 + 2 (U(m) - U(s)) dt^2/M, leaves with e v, and then is at m' = s - e (m - s).
     """
     X = numbers(work)
     for l in range(LANES):
@@ -250,19 +250,19 @@ def meet_stops(work):
 
 @compiled
 def rebound(work):
-    """Reflect the masses that have crossed a stop, as the next step else begins with."""
+    """Reflect masses that have crossed a stop now, and not at the begin of the next step."""
     if has_stops(work) and crossed(work):
         meet_stops(work)
 
 
 @inlined
 def strike(X, l, stop):
-    """Reflect the mass of lane l, with an account of its energy."""
+    """Reflect the mass of lane l at a stop, and account for its energy."""
     d, mass, e = X[R.DY, l], X[R.M, l], X[R.RESTITUTION, l]
     middle, weight = X[R.Y, l] - d / 2, mass * X[R.A, l]
     squared = d * d - 2 * (stored(X, l, middle, stop) + weight * (stop - middle)) / mass
     if squared <= 0.0 and (middle - stop) * d < 0.0:
-        return  # it turns before the stop, and is beyond it by an error of the step
+        return  # the mass turns before the stop, and is beyond it by the error of the step only
     left = e * e * max(squared, 0.0)
     place = stop - e * (middle - stop)
     away = left - 2 * (stored(X, l, stop, place) + weight * (place - stop)) / mass
@@ -280,7 +280,7 @@ def strike(X, l, stop):
 
 @inlined
 def stored(X, l, begin, end):
-    """What spring and contact take up as the mass goes from `begin` to `end` in a half step."""
+    """Return the energy that spring and contact store as the mass moves from `begin` to `end`."""
     middle = X[R.Y, l] - X[R.DY, l] / 2
     before = max(0.0, X[R.OVERLAP, l] - (begin - middle))
     after = max(0.0, X[R.OVERLAP, l] - (end - middle))

@@ -1,4 +1,4 @@
-"""Cells followed for their motion, and for the largest stress."""
+"""Runs that record the motion or the largest stress."""
 
 import numpy as np
 
@@ -14,13 +14,13 @@ from .step import advance, rebound
 def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
     """Follow up to LANES cells as `follow_all` does, bit for bit, for the largest stress.
 
-    Half way between two instants, where energies are known.
+    Stress is evaluated half way between two instants, where energies are known.
 
-    work: zeros; devices: each cell's row of coefficients, with target -inf, so that row W is never
-        latched; dt: each cell's, us; pulses: as in `Task`
-    cells: pulse, amplitude, f0 and damping as in `Task`, and steps; (cells,)
-    stress: of each cell as in `simd_loop.stress_rows`, modified in place; of no cell if left out
-    largest: of each cell so far, MPa, (cells,), modified in place
+    work: zeros; devices: row of coefficients of each cell, with target -inf, so that w is never
+        latched; dt: us, (cells,); pulses: as in `Task`
+    cells: pulse, amplitude, f0 and damping as in `Task`, and number of steps; each (cells,)
+    stress: rows of `simd_loop.stress_rows` of each cell, modified in place
+    largest: largest stress so far, MPa, (cells,), modified in place
     """
     widen_vectors()
     pulse, amplitude, f0, damping, steps = cells
@@ -47,7 +47,10 @@ def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
 
 @compiled
 def keep_block(work, shape, shocks, before, after):
-    """Advance by a block and keep lane 0 before and after each step, (steps, rows), in place."""
+    """Advance by up to a block, and record the state of lane 0 before and after each step.
+
+    before, after: (steps, rows from STATE on), modified in place
+    """
     widen_vectors()
     for step in range(before.shape[0]):
         rebound(work)
@@ -60,9 +63,10 @@ def keep_block(work, shape, shocks, before, after):
 
 @compiled
 def keep_midpoints(work, shape, state, pulses, first, midpoints):
-    """Advance all lanes and keep w(L/2) from rest half way through each step, (steps, LANES).
+    """Advance all lanes, and record w(L/2) from rest half way through each step, um.
 
-    first: steps done, a multiple of BLOCK; midpoints: modified in place
+    first: number of steps done, a multiple of BLOCK
+    midpoints: (steps, LANES), modified in place
     """
     widen_vectors()
     modes = len(shape)
@@ -79,16 +83,15 @@ def keep_midpoints(work, shape, state, pulses, first, midpoints):
 
 @inlined
 def seen_midpoint(X, V, modes, l):
-    """w(L/2) from rest of lane l half way through the step, um."""
+    """Return w(L/2) from rest of lane l half way through the step, um."""
     return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined
 def largest_stress(X, V, modes, l, rows):
-    """The largest tensile stress of lane l half way through the step, MPa.
+    """Return the largest tensile stress of lane l half way through the step, MPa.
 
-    rows: bending at each place, per coordinate, per contact force and at rest; and axial, per
-    stretch and at rest
+    rows: (PLACES + 1, modes + 2), as in `simd_loop.stress_rows`
     """
     places = len(rows) - 1
     stretch, contact = X[R.Q, l], pressed(X, l)
@@ -104,6 +107,6 @@ def largest_stress(X, V, modes, l, rows):
 
 @inlined
 def pressed(X, l):
-    """The contact force at the last half step, times dt^2."""
+    """Return the contact force at the last half step, times dt^2."""
     overlap = X[R.OVERLAP, l]
     return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
