@@ -156,20 +156,19 @@ def _ends(devices, which, loaded, is_left):
     Returns a, -inf for other devices, the midpoint's displacement, and `is_left` there; (devices,)
     """
     a, reached, leaves = np.full(which.size, -np.inf), np.zeros(which.size), which & False
-    if which.any():
-        part = devices.take(which)
-        a[which], reached[which], leaves[which] = _end_of(part, partial(loaded, part), is_left)
-    return a, reached, leaves
+    if not which.any():
+        return a, reached, leaves
+    part = devices.take(which)
+    modes, loaded = part.modes, partial(loaded, part)
 
-
-def _end_of(devices, loaded, is_left):
     def path(largest, places):
-        a, reached = _on_path(devices.modes, loaded, largest, places)
-        leaves = is_left(devices, a, reached)[:, 1:]
-        ends = (np.diff(a) < 0) | leaves | (reached[:, 1:] >= devices.travel)
-        return ends, a, reached, leaves
+        a, reached = _on_path(modes, loaded, largest, places)
+        leaves = is_left(part, a, reached)[:, 1:]
+        return (np.diff(a) < 0) | leaves | (reached[:, 1:] >= part.travel), a, reached, leaves
 
-    return _first_on_path(devices.modes, loaded, 0.0, PATH_END, path)
+    values = _first_on_path(modes, loaded, 0.0, PATH_END, path)
+    a[which], reached[which], leaves[which] = values
+    return a, reached, leaves
 
 
 def _first_on_path(modes, loaded, begin, end, path):

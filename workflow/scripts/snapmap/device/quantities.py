@@ -167,10 +167,7 @@ class Quantity(NamedTuple):
         return SPELT[self.unit]
 
     def used(self, text: str, typeset: bool = False) -> str:
-        """Convert the text of a value in its internal unit to users' unit; leave other text.
-
-        typeset: whether it is spelt as on the page
-        """
+        """Convert text such as "2 um" to the unit that users read; typeset: as on the page."""
         number, _, unit = text.partition(" ")
         if not self.unit or unit != self.unit:
             return text

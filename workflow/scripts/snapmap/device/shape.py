@@ -31,10 +31,7 @@ Value = float | np.ndarray
 
 
 def coefficients(cosines: Sequence[Value]) -> np.ndarray:
-    """Return the a_n, (..., TERMS), of shapes whose midpoint is at 1.
-
-    cosines: a_2 to a_5, each a number or an array, (...)
-    """
+    """Return the a_n, (..., TERMS), that put the midpoint at 1; cosines: a_2 to a_5, each (...)."""
     others = np.stack(np.broadcast_arrays(*cosines), axis=-1)
     first = 1.0 - others[..., 1] - others[..., 3]
     return np.concatenate([first[..., np.newaxis], others], axis=-1)

@@ -39,10 +39,7 @@ DASH = "–"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Write a Markdown table; the first column is left-aligned, others right-aligned.
-
-    Short rows are filled up with dashes.
-    """
+    """Write a Markdown table, its first column left-aligned; dashes fill up short rows."""
     rule = f"|:--{'|--:' * (len(head) - 1)}|\n"
     filled = [[*row, *[DASH] * (len(head) - len(row))] for row in rows]
     first, *others = (f"| {' | '.join(cells)} |\n" for cells in (head, *filled))

@@ -24,10 +24,7 @@ def scope(share) -> str:
 
 
 def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bound a share at 95 % confidence (Wilson, 1927), if `count` of the samples are in it.
-
-    Returns the lower and the upper bounds, in the shape of count.
-    """
+    """Return both 95 % bounds of a share, if `count` of the samples are in it (Wilson, 1927)."""
     z2 = DEVIATIONS * DEVIATIONS
     share = np.asarray(count) / samples
     middle = (share + z2 / (2 * samples)) / (1 + z2 / samples)

@@ -97,10 +97,7 @@ class Model:
         return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
 
     def snap_target(self, start: str) -> Value:
-        """Return the w(L/2) of a snap, or -w(L/2) in a run from the second shape.
-
-        It is in um, from the first shape.
-        """
+        """Return w(L/2) of a snap, um from the first shape; -w(L/2) of a run from the second."""
         first = self.barrier.first
         return self.barrier.second - first if start == FIRST else 0.0 * first
 

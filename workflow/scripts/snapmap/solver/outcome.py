@@ -82,10 +82,7 @@ def shares(counts: Mapping[str, int]) -> dict[str, float]:
 
 
 def work_error(observed: Observations, again: Observations) -> np.ndarray:
-    """Return the difference of the pulse's work in two runs over the larger of both, from 0 to 2.
-
-    It is 0 where both are 0, and NaN where either is unknown.
-    """
+    """Return how much `pulse_work` of two runs differs, over the larger; NaN where one is NaN."""
     apart = abs(again.pulse_work - observed.pulse_work)
     larger = np.maximum(abs(again.pulse_work), abs(observed.pulse_work))
     return np.divide(apart, larger, out=apart, where=larger > 0)

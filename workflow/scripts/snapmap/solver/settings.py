@@ -5,10 +5,8 @@ from typing import NamedTuple
 
 UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
-"""Questions to a run: does it snap, from which N on, where does it stay, how does it move.
-
-Each has its own time step.
-"""
+"""Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
+does it stay, how does it move."""
 QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
 """The question of a run, by `until`. The solver knows three words beside UNTIL: "edge" is "snap" in
 the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, and "moved" is

@@ -203,10 +203,7 @@ def energies(X, V, modes, l):
 
 @inlined
 def ledger(X, V, modes, l, drag):
-    """Return `energies`, and the residual energy + losses - work of the pulse - energy at start.
-
-    drag: C dt
-    """
+    """Return `energies`, and energy + losses - work of the pulse - energy at start; drag: C dt."""
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
     energy = beam + mass + contact + X[R.LOST, l]
