@@ -381,15 +381,15 @@ def decide(ask: Ask, look: Callable, window: Window, ragged: np.ndarray) -> tupl
     look: looks beside the single edge of each row, given low and high, (rows,), as `look_closely`
     """
     edges, begins, _ = scan(ask, window.of(~ragged).N)
-    single = edges.take(_is_single(edges, begins)[edges.row])
+    single = edges.take(is_single(edges, begins)[edges.row])
     ends = np.full((2, ragged.size), np.nan)
     ends[:, single.row] = single.low, single.high
     seen = look(*ends)
-    return seen, _is_single(seen.edges, seen.begins)
+    return seen, is_single(seen.edges, seen.begins)
 
 
-def _is_single(edges, begins):
-    """Whether each row has one edge, from quiet to snap, (rows,); begins: as in `Seen`."""
+def is_single(edges: Edges, begins: np.ndarray) -> np.ndarray:
+    """Tell which rows have one edge alone, from quiet to snap, (rows,); begins: as in `Seen`."""
     return ~begins & (np.bincount(edges.row, minlength=begins.size) == 1)
 
 
