@@ -87,7 +87,7 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
 def open_cube(path: ExistingPath) -> xr.Dataset:
     """Open a cube, with outcomes as words in `outcome` and as numbers in `outcome_code`.
 
-    path: of a file, or of a folder of slabs, which dask reads lazily, one block per slab
+    path: a file, or a folder of slabs, which dask reads lazily, a block for each slab
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):
