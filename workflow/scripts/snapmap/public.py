@@ -30,7 +30,7 @@ def checked(function: Callable) -> Callable:
 
     @functools.wraps(function)
     def call(*positional, **named):
-        values = _bound(function.__name__, parameters, options, positional, named)
+        values = _checked_arguments(function.__name__, parameters, options, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
         if function.__name__ == "sweep":
@@ -51,7 +51,7 @@ def options_of(function: Callable) -> dict[str, Argument]:
     return {key: argument_of(kind) for key, kind in kinds if key not in OF_MODEL}
 
 
-def _bound(function, parameters, of_function, positional, named):
+def _checked_arguments(function, parameters, of_function, positional, named):
     """Check and convert all arguments and options of a call; returns them by name."""
     if len(positional) > len(parameters):
         raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(positional)}")

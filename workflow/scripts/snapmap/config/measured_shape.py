@@ -89,11 +89,7 @@ def _fit(x, w, length):
     )
     fit = solve(multiply(columns.T, columns), apply(columns.T, w))
     residual = w - apply(columns, fit)
-    return Measured(
-        cosines=(fit[2:-1] * math.copysign(1.0, fit[2])).tolist(),  # also if drawn upside down
-        tilt=abs(float(fit[-1])),
-        rms=math.sqrt(dot(residual, residual) / x.size),
-        most=float(np.abs(residual).max()),
-        points=x.size,
-        length=length,
-    )
+    rms, most = math.sqrt(dot(residual, residual) / x.size), float(np.abs(residual).max())
+    cosines = (fit[2:-1] * math.copysign(1.0, fit[2])).tolist()  # also if drawn upside down
+    tilt = abs(float(fit[-1]))
+    return Measured(cosines, tilt=tilt, rms=rms, most=most, points=x.size, length=length)

@@ -104,10 +104,7 @@ def shocks_of(values: Mapping) -> Shocks:
 
 
 def one_time(section, lasts_itself=False, at=()):
-    """Find f0 and duration beside each other, or a section that lacks both.
-
-    lasts_itself: whether the shock sets its own duration; at: path of the section
-    """
+    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
     if "f0" in section and "duration" in section:
         return {(*at, "duration"): "excludes f0, which is 1/duration; write one of them"}
     if "f0" in section or "duration" in section or lasts_itself:

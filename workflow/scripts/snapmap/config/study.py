@@ -98,10 +98,7 @@ class Config(Study):
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
-    """Load the study of a job; ValueError, one line, for a file edited since the run began.
-
-    document: config of the run; threads: number of threads that the job may use
-    """
+    """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
     hold_to_plan(study.files(), plans=False)
     return replace(study, settings=study.settings._replace(threads=threads))
@@ -167,10 +164,10 @@ def load_config(document: Mapping) -> Config:
 
 
 class _Faults(list):
-    """Lines on faults of a config."""
+    """Lines on the faults of a config."""
 
     def catch(self, path, function, *arguments):
-        """Call a function; a ValueError becomes the fault of the key at a path."""
+        """Call a function, and take its ValueError as the fault of the key at a path."""
         try:
             return function(*arguments)
         except ValueError as error:

@@ -167,6 +167,7 @@ def _names(grid):
 
 
 def _default_plane(grid):
+    """Choose x and y of maps without a request: N over f0, or over axes of several values."""
     several = [key for key in _several(grid) if key not in PULSE_AXES]
     first = "f0" if "f0" in several or not several else several[0]
     rest = [key for key in several if key != first]

@@ -115,12 +115,9 @@ def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place:
     look, static = limit_look(LONG, colour, place), curve.N_static
     slow = holding(curve.N_slow, curve)
     if x == "f0" and slow.notnull().any():
-        beyond = static.where(slow.isnull())
-        for values, label in (
-            (slow, f"{LONG}, from $N$ = {plain(static.item())} on"),
-            (beyond, None),
-        ):
-            ax.plot(scale_of(x, curve[x].values).places, values.values, label=label, **look)
+        places, label = scale_of(x, curve[x].values).places, f"$N$ = {plain(static.item())} on"
+        ax.plot(places, slow.values, label=f"{LONG}, from {label}", **look)
+        ax.plot(places, static.where(slow.isnull()).values, **look)
     elif x in static.dims:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):

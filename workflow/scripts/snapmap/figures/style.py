@@ -70,10 +70,7 @@ def is_alone(ax: Axes) -> bool:
 
 
 def labelled(axes: Iterable[Axes]) -> list[Artist]:
-    """Collect artists that are labelled and visible on axes, each label once.
-
-    Lines of several colours that share a label are represented in grey.
-    """
+    """Collect labelled, visible artists of axes, each label once, in grey if lines share it."""
     keys: dict[str, Artist] = {}
     for ax in axes:
         for artist, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -100,10 +97,7 @@ def _is_seen(ax, artist):
 def legend(
     where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
 ) -> Legend:
-    """Put a legend below a figure or axes, in `ncols` columns, or fewer if there is no room.
-
-    The legend of the only axes of a figure belongs to the figure.
-    """
+    """Put a legend below a figure or axes, in at most `ncols` columns, as there is room."""
     if isinstance(where, Axes) and is_alone(where):
         where = where.get_figure()
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
@@ -119,9 +113,9 @@ def legend(
 
 
 def fit(figure: Figure, ratio: float) -> None:
-    """Lay a figure out, once, and set its height so that axes are `ratio` times as high as wide.
+    """Lay a figure out, and set its height so that axes, all alike, are `ratio` as high as wide.
 
-    All axes must have the same size, and colour bars must lie below them.
+    Colour bars must lie below the axes.
     """
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")
@@ -196,10 +190,7 @@ def _plain_fonts(subset):
 
 
 def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
-    """Write pulse, guide, start, model and horizon, by a dataset's attributes; "" without config.
-
-    width: most signs in a line
-    """
+    """Write pulse, guide, start, model and horizon of a dataset, in lines of `width` signs."""
     if "config" not in attributes:
         return ""
     config = json.loads(attributes["config"])

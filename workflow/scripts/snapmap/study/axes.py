@@ -47,9 +47,8 @@ class Grid(NamedTuple):
 
     axes: values by name, in order; internal units, f0 in Hz, names on axes of NAMES
     device: batch of the devices that can exist
-    device_of: index in the batch for each point of the device's axes, -1 where no device can exist;
-        an array of the shape of these axes
-    pulses: pulse at each point of the pulse's axes, in order
+    device_of: index in the batch, in the shape of the device's axes; -1 where no device can exist
+    pulses: pulses at the points of the pulse's axes, in order
     """
 
     axes: dict[str, np.ndarray]

@@ -121,10 +121,7 @@ def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
 
 
 def label_distance(model: Mapping) -> float | None:
-    """Give the relative distance from a well-posed threshold within which labels may be wrong.
-
-    It is None for a user's own laws, of which none is known.
-    """
+    """Give the relative distance from a threshold within which labels may be wrong, or None."""
     if "laws" in model:
         return None
     if model.get("name") != "auto":

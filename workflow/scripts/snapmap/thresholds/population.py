@@ -31,7 +31,7 @@ MOST_ROWS = 0.9
 LADDER = ("base", 4.0), ("check", 4.0), ("base", 2.0), ("check", 2.0), ("check", 1.0), ("top", 1.0)
 """Levels of `auto` with the factors on their time steps, from the cheapest run to the dearest."""
 FOLLOWED, FEWEST = 256, 32
-"""Most cells that are followed for their stress, but for those of the first FEWEST samples."""
+"""Most cells that are followed for their stress, and the fewest samples, whatever their cells."""
 
 
 class Choice(NamedTuple):

@@ -97,10 +97,7 @@ def thresholds_of_samples(
 
 
 def _from_below(snaps, numbers, start, size, step):
-    """Find the first places that snap in ragged rows, (rows,), from `start` up, or from below it.
-
-    numbers: of the rows; size: of the lattice; step: number of places between those tried at first
-    """
+    """Find the first places that snap in ragged rows, (rows,), from `start` up or from below it."""
     # All samples try multiples of the step, whatever was predicted.
     start = np.maximum(start - start % step, 0)
     first, left = np.empty_like(start), np.arange(start.size)

@@ -218,10 +218,7 @@ def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the first of ascending N, (rows, n), that snaps, and the N before it; NaN for none.
-
-    Returns low and high, (rows,), NaN also where the very first N snaps.
-    """
+    """Find the interval below the first of ascending N, (rows, n), that snaps; NaN for none."""
     first = np.argmax(snapped, axis=1)
     rows = np.arange(len(N))
     inside = snapped[rows, first] & (first > 0)

@@ -290,7 +290,7 @@ def _lowest_of(grid, models, settings, tolerance, omega, which, is_short):
     """Find N_first, (..., pulses, C), of pulses of a frequency omega, rad/us, (devices,).
 
     which: indices of the pulses; is_short: whether these are short, or else long
-    Beside surfaces the finest models search short pulses; on surfaces only the initial rows are.
+    Short pulses are searched by the finest models, but on surfaces only in the initial rows.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)

@@ -9,6 +9,7 @@ The search has five steps:
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -132,10 +133,9 @@ def survey(
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
 ) -> Thresholds:
-    """Find the thresholds of rows.
+    """Find the thresholds of rows, to a relative tolerance.
 
-    tolerance: relative, of the refinement; highest: largest N at which islands count, multiples of
-        g; ISLANDS_TO times the threshold by default
+    highest: largest N at which islands count; by default ISLANDS_TO times the threshold
     Finer models take fast pulses, and clean rows whose bar exceeds the models' tolerance.
     """
     options = settings, tolerance, highest
@@ -159,7 +159,7 @@ def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> 
     """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
     bound = lower_bound(models, rows, settings)
     alone = models._replace(others=(), judges=())  # the others only give bars
-    # With `highest` = 0, islands above the first one are not sought.
+    # With `highest` = 0, islands far above the first N that snaps do not count.
     changes = find_changes(alone, rows, settings, tolerance, 0.0, bound)
     edges = changes.edges.take(changes.edges.rising)
     first, _ = outermost(edges.row, edges.high, bound.size)
@@ -222,8 +222,8 @@ def with_rows(
 ) -> np.ndarray:
     """Put new values of some rows into a variable, (n_rows, ...).
 
-    which: indices of the rows, (new,); new: (new, ...); old: (n_rows, ...), or None for no values
-    New and old values may have axes of different lengths; the longer is kept, filled with NaN or 0.
+    which: indices of the rows, (new,); old: (n_rows, ...), or None
+    The last axis of new or old values may be shorter; it is filled with NaN or 0.
     """
     widest = max((part.shape[1:] for part in (new, old) if part is not None), key=np.prod)
     blank = np.nan if new.dtype.kind == "f" else 0
@@ -257,16 +257,12 @@ def find_changes(
     """
     device = models.scans.device
     rings, slow = is_ringing(device, rows), ~is_ringing(device, rows, RINGING / 5)
-    ends = scan_range(device, models.static, rows, bound, settings.start)
-    N = amplitudes(*ends, SCAN_STEP)
+    N = amplitudes(*scan_range(device, models.static, rows, bound, settings.start), SCAN_STEP)
     ask_cheap = asker(models.scans, rows, settings, until="snap")
     first, quiet = first_seen(ask_cheap, N, bound)
     limits = island_limits(first, islands_from, highest, slow)
     window, ragged = find_islands(ask_cheap, limits)
-
-    def look(low, high):
-        return look_closely(models.decides, rows, settings, tolerance, rings, low, high)
-
+    look = partial(look_closely, models.decides, rows, settings, tolerance, rings)
     seen, clean = decide(asker(models.decides, rows, settings), look, window, ragged)
     ragged = np.isfinite(first) & ~clean
     window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)

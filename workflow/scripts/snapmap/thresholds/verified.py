@@ -44,8 +44,8 @@ def surfaces(
 
     axes: values by name; rows: numbers of rows, in the shape of the axes
     slow: for each f0, whether thresholds are smooth along f0 there
-    Returns pairs, for slow pulses and for others: numbers of rows, (surfaces, n_1, ..., n_d), and d
-    ascending axes.
+    Returns numbers of rows, (surfaces, n_1, ..., n_d), and d ascending axes, for slow pulses and
+    for others.
     """
     apart = []
     for is_slow in (True, False):
@@ -92,7 +92,7 @@ class Surface:
 
     rows, axes: as for `fill`; left: whether a row is unknown yet; known: facts of all other rows
     halvings: how often the first intervals between corners have been halved
-    cubic: first prediction of N by the searched rows, in the shape of rows
+    cubic: prediction of N by the rows that were searched first
     """
 
     def __init__(self, rows: np.ndarray, axes: Sequence[np.ndarray]):
@@ -162,10 +162,7 @@ def _places(x, halvings):
 
 
 def _corners(where, axes, places):
-    """Find the 2^d corners around rows, and the share of each by linear interpolation.
-
-    where: indices of the rows, d + 1 arrays (rows,); places: searched places on each axis
-    """
+    """Find the 2^d corners around rows, with indices `where`, and the linear share of each."""
     corners, shares = [where[:1]], [np.ones(where[0].size)]
     for index, x, at in zip(where[1:], axes, places, strict=True):
         low, high = at[np.searchsorted(at, index, "right") - 1], at[np.searchsorted(at, index)]

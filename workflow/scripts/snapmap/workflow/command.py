@@ -116,10 +116,9 @@ def _costs(study):
 
 
 def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
-    """Run the workflow in the current folder, and exit as Snakemake does.
+    """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
 
     others: options and targets of Snakemake, such as -n
-    Raises ValueError, one line, for a config that is no plain YAML.
     """
     with needing("snapmap run"):
         from snakemake.cli import main as snakemake

@@ -25,9 +25,8 @@ LOOK_AROUND = 1.0
 def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     """Call a rule's function with those values of its job that have the names of its parameters.
 
-    job: the `snakemake` object; its values are its wildcards and params; NAME_path, or NAME_paths
-        for several, of each input and output NAME; `path`, the first output, and its `folder`; and
-        `threads`, the number that the job may use
+    job: the `snakemake` object. Its values are wildcards and params; NAME_path, or NAME_paths, of
+        inputs and outputs; `path`, the first output, and its `folder`; the number of `threads`
     study_of: makes `study` of the run's config and threads
     """
     first = Path(job.output[0])
