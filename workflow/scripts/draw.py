@@ -87,14 +87,9 @@ def _draw_maps(files, folder, points, name, shows, panels):
     """Draw a figure with maps of cells, on two columns, or on one if there is a single map."""
     x, y = panels[0]["x"], panels[0]["y"]
     with _opened(files) as (cube, thresholds):
-        data = [
-            (
-                _along(cube, view),
-                _along(thresholds, view) if shows == "snaps" else None,
-                view["required_shocks"],
-            )
-            for view in panels
-        ]
+        bands = (_along(thresholds, view) if shows == "snaps" else None for view in panels)
+        pairs = zip(panels, bands, strict=True)
+        data = [(_along(cube, view), band, view["required_shocks"]) for view, band in pairs]
         columns = min(len(panels), 2)
         with style.saved(f"{folder}/{name}", cube.attrs, 3.6, columns) as figure:
             if columns == 2:
