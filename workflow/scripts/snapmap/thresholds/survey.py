@@ -48,8 +48,8 @@ forth), and close to a threshold."""
 CLEAN_REACH, RAGGED_REACH = 1.02, 1.05
 """Factors on N up to which the deciding model looks around changes, in clean and ragged rows."""
 RINGING = 0.25
-"""A device rings after a pulse if its response takes this share or more of the pulse's steepest
-rise; islands then lie close to its threshold."""
+"""Least time of a device's response, over that of the pulse's steepest rise, with which the device
+rings after the pulse; islands then lie close to its threshold."""
 FAST_PULSE = 0.7
 """Least frequency of a pulse, over the device's own, at which the finer models take its rows."""
 CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
@@ -480,8 +480,8 @@ def close_edges(
     reach: largest relative distance of CLOSE_PLACES
     Below a single threshold, runs come nearer to a snap as N grows; above, they snap later the
     closer N is to it. A stretch of the other label disturbs this order far beyond its own ends, as
-    runs beside it dwell at the saddle, too. Where the order is broken, and no run has another label
-    anyway, all steps are scanned, above every second.
+    runs beside it dwell at the saddle, too. Where the order is broken, all steps in between are
+    tried, above every second one, unless a run has shown another label already.
     """
     observe, ask = observer(model, rows, settings), asker(model, rows, settings)
     steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
