@@ -10,8 +10,8 @@ from snakemake.utils import min_version
 
 min_version("9.19")
 
-# Nothing is written beside the code. The package has the name that the scripts call it by, as what
-# numba keeps in its cache asks for it by name.
+# Nothing is written beside the code. Scripts import the package by the same name, as numba's cache
+# asks for it by name.
 sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
@@ -53,29 +53,30 @@ try:
     refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
     hold_to_plan(study.files(), workflow.is_main_process)
-    beside = gather("alone", study), functions("observing")
-    plan = make_plan(study.grid, study.model, study.settings, *beside)
-    doubted = doubts(study)
+    extra = gather("alone", study), functions("observing")
+    plan = make_plan(study.grid, study.model, study.settings, *extra)
+    warnings = doubts(study)
 except ValueError as error:
-    sys.exit(str(error))  # Snakemake would put its own words before and after
+    sys.exit(str(error))  # Snakemake would put words of its own around it
 
 shell.prefix(SHELL_PREFIX)
-# Snakemake would import it to see that no parameter is a table: a sixth of its start.
+# Snakemake would import pandas to see that no parameter is a table: a sixth of its start.
 sys.modules.setdefault("pandas", None)
 
 names = [slab_name(study, slab) for slab in plan.slabs]
 slabs = dict(zip(names, plan.slabs))
-# Simulated and joined in one job: the start of another would take longer than the cells.
+# A small study is one job, as the start of another would take longer than the cells.
 is_small = len(slabs) == 1 and plan.seconds <= SHARED_SECONDS
 requests = dict(zip(names, plan.requests))
-made = choose_views(study)
+views = choose_views(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
-# Parameters of the rules: what was made by other code is made again.
+# Parameters of the rules, by which products of other code are made again.
 numbers = code_hash(*NUMBERS, scripts / "jobs.py")
 drawing = code_hash(*DRAWS, scripts / "draw.py")
 studied = code_hash(*NUMBERS, clone / "studies")
-TOLD = ["find_threshold", "collect", "simulate_all"]
-jobs = {}  # of the run, by their numbers
+# Rules whose summaries are printed at the end.
+SUMMARIZED = ["find_threshold", "collect", "simulate_all"]
+jobs = {}  # jobs of the run by their numbers
 
 
 report: "workflow/report/study.rst"
@@ -87,8 +88,7 @@ wildcard_constraints:
 
 
 onstart:
-    # Snakemake's own lock outlives a killed run, and its profile leaves it out; the system's is
-    # gone with the process that held it.
+    # Snakemake's own lock, which the profile turns off, outlives a killed run; this one does not.
     try:
         unlocked = hold(".snakemake/running")
     except BlockingIOError:
@@ -99,12 +99,12 @@ onstart:
             file=sys.stderr,
         )
     remove_leftovers("results")
-    for line in filter(None, [*descriptions(study), study.left_out, *doubted]):
+    for line in filter(None, [*descriptions(study), study.left_out, *warnings]):
         print(line, file=sys.stderr)
-    fresh, cells = sum(progress.cells.values()), sum(map(cells_in, plan.slabs))
-    if fresh < cells:
+    missing, cells = sum(progress.cells.values()), sum(map(cells_in, plan.slabs))
+    if missing < cells:
         print(
-            f"{cells} cells: {cells - fresh} are there already, {fresh} are new",
+            f"{cells} cells: {cells - missing} are there already, {missing} are new",
             file=sys.stderr,
         )
     for handler in logger.handlers:
@@ -123,8 +123,8 @@ onsuccess:
     progress.close()
     remove_old_products()
     logs = {job.rule.name: job.log[0] for job in jobs.values() if job.log}
-    for log in [logs[rule] for rule in TOLD if rule in logs]:
-        # The last line is the summary; warnings were printed as they came.
+    for log in [logs[rule] for rule in SUMMARIZED if rule in logs]:
+        # The last line is the summary; warnings have been printed already.
         if summary := Path(log).read_text(encoding="utf-8").splitlines()[-1:]:
             print(*summary, file=sys.stderr)
     if any("results/explore.html" in job.output for job in jobs.values()):

@@ -1,5 +1,5 @@
-# A job reads the config itself. Its params are what its output depends on, as plain values:
-# Snakemake runs it again when they change.
+# A job reads the config itself. Its params are plain values on which its output depends: Snakemake
+# runs the job again when they change.
 in_search = study.inputs(*THRESHOLD_SETTINGS)
 axes = {key: values.tolist() for key, values in study.axes.items()}
 making = gather("outputs", study)
@@ -55,7 +55,7 @@ for place, name in enumerate(name for name in drawing_of if name not in drawn_to
         input:
             **drawn_from(name),
         output:
-            list(figures_of(name)),
+            figures_of(name),
         log:
             f"results/logs/draw_{name}.log",
         priority: 83 - place
@@ -77,4 +77,4 @@ results += [path for name in drawing_of for path in map(str, figures_of(name))]
 for files in making.values():
     for paths in files.values():
         results += [paths] if isinstance(paths, str) else paths
-TOLD += [attached()[name].rule for name in slow]
+SUMMARIZED += [attached()[name].rule for name in slow]

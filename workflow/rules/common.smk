@@ -1,7 +1,7 @@
 def half(wildcards):
-    """Half of the cores, so that other jobs go on beside one that could use them all.
+    """Give half of the cores, so that other jobs go on beside one that could use them all.
 
-    On a cluster, half of what a job may have: `cores` in profiles/slurm.
+    On a cluster it is half of the cores that a job may have: `cores` in profiles/slurm.
     """
     return max(1, cores // 2)
 
@@ -10,23 +10,14 @@ def memory(megabytes):
     return lambda wildcards, attempt: attempt * megabytes
 
 
-def own_points(wildcards):
-    """Path and hash of a user's own points: a function, as a path may have braces."""
-    return list(study.own_points)
-
-
-def views(several):
-    return [view._asdict() for view in several]
-
-
 def list_products(jobid):
-    """Slabs stay, as a grid may grow again, and studies, which no config asks for."""
+    """List the products of a job, but no slabs, as a grid may grow again, and no studies."""
     if jobs[jobid].rule.name not in ("simulate_slab", *STUDIES):
         list_made("results", map(str, jobs[jobid].output))
 
 
 def remove_old_products():
-    """Of older configs; only a run of all results knows what is one."""
+    """Remove products of older configs; only a run of all results can tell which these are."""
     products = {str(path) for job in workflow.dag.jobs for path in job.output}
     if products.issuperset(results):
         for line in remove_others("results", products):
@@ -48,44 +39,43 @@ def drawn_from(name):
 
 
 def constant(value):
-    """A function, as a path in a value may have braces."""
+    """Make a parameter of a value that may have braces, which Snakemake would format."""
     return lambda wildcards: value
 
 
+def files_of(stem, caption, category):
+    """List the files of a figure, of which the report shows the first."""
+    paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
+    first, *others = paths if "." not in stem else [f"results/{stem}"]
+    shown = report(first, caption, category=category, labels={"figure": stem})
+    return [shown, *others]
+
+
 def figures_of(name):
-    """Figures of an application, as the report shows them."""
+    """List the files of all figures of an application."""
     application = attached()[name]
-    caption = str(Path(application.__file__).with_name("caption.rst"))
-    for stem in drawing_of[name]:
-        paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
-        shown, *others = paths if "." not in stem else [f"results/{stem}"]
-        labels = {"figure": stem}
-        yield report(shown, caption, category=application.part, labels=labels)
-        yield from others
+    about = str(Path(application.__file__).with_name("caption.rst")), application.part
+    return [path for stem in drawing_of[name] for path in files_of(stem, *about)]
 
 
 def figures(caption):
-    for stem in made.stems[caption]:
-        png, pdf = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
-        labels = {"figure": stem}
-        yield report(
-            png, f"../report/{caption}.rst", category=PARTS[caption], labels=labels
-        )
-        yield pdf
+    """List the files of the core's figures that share a caption."""
+    about = f"../report/{caption}.rst", PARTS[caption]
+    return [path for stem in views.stems[caption] for path in files_of(stem, *about)]
 
 
-def called(name):
-    """How an application draws: its figures, and the rest that its function takes, by name."""
+def drawing_arguments(name):
+    """Give the figures of an application, and the other arguments of its function by name."""
     files = drawn_from(name).items()
     paths = {
         f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
     }
-    folder = str(Path(next(figures_of(name))).parent)
+    folder = str(Path(figures_of(name)[0]).parent)
     return drawing_of[name], paths | {"folder": folder}
 
 
 def is_drawn_with_the_study(name):
-    """Whether all that it is drawn from is there with cube and thresholds."""
+    """Tell whether all files behind an application's figures exist with cube and thresholds."""
     files = drawn_from(name).values()
     paths = [path for f in files for path in ([f] if isinstance(f, str) else f)]
     return {*paths} <= {"results/cube.nc", "results/threshold.nc", *made_quickly}

@@ -1,6 +1,3 @@
-views_of = {key: views(getattr(made, key)) for key in made._fields}
-of_cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
-of_stress = of_cells | making.get("stress", {})
 PARTS = {
     "snap_maps": "1 Which shock snaps it",
     "thresholds": "2 Thresholds",
@@ -10,7 +7,9 @@ PARTS = {
 
 rule draw_study:
     input:
-        **of_stress,
+        **making.get("stress", {}),
+        cube="results/cube.nc",
+        threshold="results/threshold.nc",
         others=made_quickly,
     output:
         [path for caption in PARTS for path in figures(caption)],
@@ -25,9 +24,14 @@ rule draw_study:
         runtime=10,
         mem_mb=memory(2000),
     params:
-        views=views_of,
-        own_points=own_points,
-        applications=constant({name: called(name) for name in drawn_together}),
+        views={
+            kind: [view._asdict() for view in figures]
+            for kind, figures in views._asdict().items()
+        },
+        own_points=constant(list(study.own_points)),
+        applications=constant(
+            {name: drawing_arguments(name) for name in drawn_together}
+        ),
         code=drawing,
     message:
         "Draw the study"

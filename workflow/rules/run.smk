@@ -6,7 +6,7 @@ if is_small:
         log:
             "results/logs/simulate_all.log",
         priority: 100
-        # None, to run beside the search, as its cells take less than its start; on a cluster 1.
+        # With no core of its own it runs beside the search, as its cells take less than its start.
         threads: lambda wildcards: int(workflow.non_local_exec)
         resources:
             mem_mb=memory(2000),
@@ -68,7 +68,7 @@ rule find_threshold:
         others=made_quickly,
     log:
         "results/logs/find_threshold.log",
-    # Beside the first cells, not after them: of these no two then compile the same kernel at once.
+    # The search begins with the first cells: so no two jobs of cells compile a kernel at once.
     priority: 110
     threads: cores if is_small and not slow else half
     resources:

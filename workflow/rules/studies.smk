@@ -12,7 +12,7 @@ for what, stems in STUDIES.items():
             ),
         log:
             f"results/logs/{what}.log",
-        # All there are: another job at the same time would spoil the times.
+        # A study takes all cores, as another job at the same time would spoil its times.
         threads: 1000
         params:
             code=studied,

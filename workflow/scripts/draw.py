@@ -1,4 +1,4 @@
-"""What the rules of figures run, each a function named like its rule: reads, draws, saves."""
+"""Functions of the rules of figures, which read files, draw, and save figures."""
 
 import gc
 import os
@@ -8,9 +8,9 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
-gc.set_threshold(200_000)  # imports and figures are many objects, and hardly any is garbage
+gc.set_threshold(200_000)  # of the many objects of imports and figures hardly any is garbage
 if __name__ == "__main__":
-    sys.modules["dask"] = None  # xarray would import it to see that no array is lazy
+    sys.modules["dask"] = None  # no array is lazy, for which xarray would import it
 # ruff: noqa: E402
 
 import xarray as xr
@@ -26,14 +26,13 @@ from snapmap.workflow.job_log import end_with, run_rule
 def draw_study(
     cube_path, threshold_path, views, own_points, applications, folder, threads, stress_path=""
 ):
-    """Draw what every study has: in one job, as its start takes longer than a figure.
+    """Draw the figures that every study has, in one job, as its start takes longer than a figure.
 
-    views: lists of what is drawn: maps of cells, of each its name, what it shows, and its panels;
-        fields (maps of thresholds) and curves; of each of these, and of panels, the name, x, y,
-        at, the place on each other axis, and required_shocks
+    views: figures by kind, as `products.Views` has them, in plain values
     own_points: path and SHA-256 of a user's own points, or nothing
-    applications: by the names of their folders: their figures, and the files of these
-    stress_path: of each cell, of devices that have a strength
+    applications: figures of applications and the files behind them, by the names of their folders
+    folder: where figures are saved; threads: number of processes
+    stress_path: path of the largest stresses, if beams have a strength
     """
     files = cube_path, threshold_path, stress_path
     points = read_points(*own_points) if own_points else ()
@@ -51,7 +50,7 @@ def draw_study(
 
 
 def side_by_side(tasks, processes):
-    """Do tasks in processes that are forked here: they share what is imported, and no open file."""
+    """Call tasks in forked processes, which share all imports but no open file."""
     if processes == 1 or sys.platform != "linux":  # elsewhere libraries do not outlive a fork
         for task in tasks:
             task()
@@ -64,7 +63,7 @@ def side_by_side(tasks, processes):
 
 @contextmanager
 def _opened(files, open_file=xr.open_dataset):
-    """Open cube and thresholds; the cube has the share of the strength, if a beam may break."""
+    """Open cube and thresholds; stresses add their share of the strength to the cube."""
     cube_path, threshold_path, stress_path = files
     with (
         open_file(cube_path) as cube,
@@ -85,17 +84,12 @@ def _along(dataset, view):
 
 
 def _draw_maps(files, folder, points, name, shows, panels):
-    """Draw maps of cells, several side by side on two columns, one alone on one."""
+    """Draw a figure with maps of cells, on two columns, or on one if there is a single map."""
     x, y = panels[0]["x"], panels[0]["y"]
     with _opened(files) as (cube, thresholds):
-        data = [
-            (
-                _along(cube, view),
-                _along(thresholds, view) if shows == "snaps" else None,
-                view["required_shocks"],
-            )
-            for view in panels
-        ]
+        bands = (_along(thresholds, view) if shows == "snaps" else None for view in panels)
+        pairs = zip(panels, bands, strict=True)
+        data = [(_along(cube, view), band, view["required_shocks"]) for view, band in pairs]
         columns = min(len(panels), 2)
         with style.saved(f"{folder}/{name}", cube.attrs, 3.6, columns) as figure:
             if columns == 2:
@@ -117,7 +111,7 @@ def _draw_thresholds(files, folder, draw, columns, view):
 
 
 def function_of(rule):
-    """The function of a rule: here, or how an application draws."""
+    """Give the function of a rule: one of this module, or `draw` of an application."""
     name = rule.removeprefix("draw_")
     return globals()[rule] if rule in globals() else attached()[name].draw
 

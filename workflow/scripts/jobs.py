@@ -1,7 +1,7 @@
-"""What the rules of the core run, each a function named like its rule; applications bring theirs.
+"""Functions of the core's rules, named like these; applications have functions of their own.
 
 study: a `Config`, which each job reads anew by `planned_study`
-Imports stand in the functions: a job of cells does without xarray.
+Functions import what they need, as a job of cells does without xarray.
 """
 
 import sys
@@ -15,7 +15,7 @@ from snapmap.workflow.job_log import run_rule
 
 
 def simulate_slab(study, axes, path, code):
-    """Simulate one slab and write it."""
+    """Simulate a slab, write it, and print the numbers of its outcomes."""
     from snapmap.sweeps.slabs import write_slab
 
     counts = write_slab(study, axes, path, code, functions("observe"))
@@ -23,7 +23,7 @@ def simulate_slab(study, axes, path, code):
 
 
 def collect(study, slab_paths, path):
-    """Join slabs on the axes of the whole grid, write the cube and say what is in it."""
+    """Join slabs to the cube, write it, and print its summary."""
     from snapmap.study.netcdf import write_product
     from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
@@ -32,7 +32,7 @@ def collect(study, slab_paths, path):
 
 
 def simulate_all(study, axes, path, code):
-    """Simulate the one slab of a small study, which is not kept, and make the cube of it."""
+    """Simulate the only slab of a small study, and write the cube; the slab is not kept."""
     from snapmap.sweeps.slabs import slab_name, write_slab
 
     with TemporaryDirectory() as folder:
@@ -42,9 +42,9 @@ def simulate_all(study, axes, path, code):
 
 
 def find_threshold(study, path, table_path, quick):
-    """Find the thresholds and write them, also as a table; make what is quick beside.
+    """Find the thresholds and write them, also as a table; run quick applications before.
 
-    quick: files of applications by their names, by the names of their folders
+    quick: files of each quick application by their names, by the names of their folders
     """
     from snapmap.study.netcdf import write_product
     from snapmap.thresholds.rows import tidy
@@ -61,12 +61,12 @@ def find_threshold(study, path, table_path, quick):
 
 
 def function_of(rule):
-    """The function of a rule: here, or what an application runs."""
+    """Give the function of a rule: one of this module, or `run` of an application."""
     of_rules = {getattr(part, "rule", ""): part for part in attached().values()}
     return globals()[rule] if rule in globals() else of_rules[rule].run
 
 
 if __name__ == "__main__":
-    if snakemake.rule != "collect":  # xarray would import it to see that no array is lazy
+    if snakemake.rule != "collect":  # no other has lazy arrays, for which xarray imports dask
         sys.modules["dask"] = None
     run_rule(function_of(snakemake.rule), snakemake, planned_study)

@@ -1,4 +1,4 @@
-"""Snap maps of a bistable beam under shock; what it offers stands in __all__."""
+"""Snap maps of a bistable beam under shock. `__all__` lists the public functions and classes."""
 
 from importlib import import_module
 
@@ -29,7 +29,7 @@ def __dir__():
 
 
 def __getattr__(name):
-    # Imported on first use: a solver job must not pay for xarray.
+    # Imports wait for the first use, as a solver job must not pay for xarray.
     if name in _HOME:
         with needing(f"{__name__}.{name}"):
             from .public import checked

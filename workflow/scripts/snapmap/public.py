@@ -1,4 +1,4 @@
-"""The door: calls of the public functions, held against the types of their signatures."""
+"""Calls of the public functions are checked against the types of their signatures."""
 
 import functools
 import inspect
@@ -20,39 +20,39 @@ from .solver.laws import laws_of
 from .solver.options import OF_MODEL, OPTIONS, take_model
 
 OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow a model with a user's own laws; a solver shows the first no motion."""
+"""Functions that follow a user's own laws; `simulate` needs a motion, which solvers do not give."""
 
 
 def checked(function: Callable) -> Callable:
-    """The function, with each call held against its types; ValueError or TypeError, one line."""
+    """Wrap a function so that each call is checked; ValueError or TypeError, one line."""
     parameters, options = {**inspect.signature(function).parameters}, options_of(function)
     parameters.pop("options", None)
 
     @functools.wraps(function)
-    def door(*positional, **named):
-        values = _bound(function.__name__, parameters, options, positional, named)
+    def call(*positional, **named):
+        values = _checked_arguments(function.__name__, parameters, options, positional, named)
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
         if function.__name__ == "sweep":
             values["observers"] = functions("observe")
-        # Those that have a model follow cells.
+        # Functions with a model follow cells, which are counted.
         with counting(function.__name__) if "model" in parameters else nullcontext():
             return function(**values)
 
-    door.__module__ = __package__  # by which it is pickled
-    return door
+    call.__module__ = __package__  # by which it is pickled
+    return call
 
 
 def options_of(function: Callable) -> dict[str, Argument]:
-    """The options of a function, beside those of the model."""
+    """Give the options of a function by name, without those of the model."""
     options = inspect.signature(function).parameters.get("options")
     (named,) = get_args(options.annotation) if options else [None]
     kinds = named.__annotations__.items() if named else ()
     return {key: argument_of(kind) for key, kind in kinds if key not in OF_MODEL}
 
 
-def _bound(function, parameters, of_function, positional, named):
-    """Convert all arguments of a call, by name, with its options; each fits."""
+def _checked_arguments(function, parameters, of_function, positional, named):
+    """Check and convert all arguments and options of a call; returns them by name."""
     if len(positional) > len(parameters):
         raise TypeError(f"{function}: takes {len(parameters)} arguments, not {len(positional)}")
     values = dict(zip(parameters, positional, strict=False))
@@ -86,7 +86,7 @@ def _bound(function, parameters, of_function, positional, named):
 
 
 def _hint(function, key, known):
-    """Say what was meant by an option that is none."""
+    """Say what an unknown option may mean."""
     if key in VALUES:
         return f" of {function}; vary the device"
     if key in OF_MODEL:
@@ -98,7 +98,7 @@ def _hint(function, key, known):
 
 
 def _doubts(values):
-    """Lines on values that are hardly meant."""
+    """Give lines on values that are hardly meant."""
     device, laws = values.get("device"), values.get("model", {}).get("laws")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
     for single in named.values():

@@ -1,1 +1,1 @@
-"""The door: files and text with units in, values in internal units out."""
+"""Config files are read, checked, and converted to internal units."""

@@ -1,4 +1,4 @@
-"""The sections of a device: its beam, its mass, what they meet; and a device read by itself."""
+"""The sections of a device in a config, and the function that reads a device alone."""
 
 import warnings
 from collections.abc import Mapping
@@ -18,9 +18,9 @@ from .measured_shape import read_shape
 from .yaml_file import ConfigError, read_document
 
 AS_MEASURED = 0.1
-"""Share by which span and rise may differ from those of a measured shape."""
+"""Largest relative difference of span and rise from those of a measured shape."""
 LEAST_TILT = 1e-6
-"""Tilt of a measured shape, um, below which there is none but rounding."""
+"""Tilt of a measured shape, um, below which it is only rounding."""
 
 
 class ShapeSection(Section):
@@ -35,7 +35,7 @@ class ShapeSection(Section):
     file: path("a measured shape, CSV: x (um) and w (um), from clamp to clamp", out="`cosines`")
 
     def make(self) -> None:
-        """Name anything but one of the two."""
+        """Raise ValueError unless one of the two keys is written."""
         if len(self.given) != 1 or len(self.cosines or ()) > len(COSINES) + 1:
             raise ValueError("write one of cosines, up to 5, and file")
 
@@ -44,18 +44,18 @@ class ValuesSection(Section):
     """Values of the device."""
 
     at: ClassVar[str]
-    """Where it stands below `device`."""
+    """Path of the section below `device`."""
 
     def values(self) -> dict[str, float]:
-        """What it says, by the device's own names."""
+        """Give the values that are written, by their names in the device."""
         names = keys_of(self.at)
         return {names[key]: value for key, value in self.given.items() if key in names}
 
 
 def section_of(at: str, **kinds: str) -> type[ValuesSection]:
-    """A section with a key for each value of the device that stands there, of its kind or another.
+    """Make the section at a path below `device`, with a key for each value that stands there.
 
-    Its quantity says which; so does it of an axis, where a beam is never straight and has a mass.
+    kinds: kinds of values by name, where they differ from those of axes (QUANTITIES)
     """
     fields = {}
     for key, name in keys_of(at).items():
@@ -86,7 +86,7 @@ class BeamSection(section_of("beam", rise="distance")):
     _measured: str = PrivateAttr("")
 
     def make(self) -> Beam:
-        """The beam."""
+        """Make the beam."""
         free = self.guide == "free"
         if self.has("imperfection") and not free:
             raise ValueError(".imperfection: needs a beam free to tilt; write guide: free")
@@ -96,24 +96,24 @@ class BeamSection(section_of("beam", rise="distance")):
         beam = Beam(**self.values() | clamp | self._of_shape(free), free=float(free))
         if not self.has("quality_factor"):
             return beam
-        # ASSUME: a measured one is that mode's, of the beam clear of the mass; the drag is that of
-        # all modes, so that others have quality factors in proportion to their frequencies.
+        # ASSUME: the factor is that of the first symmetric mode, of the beam clear of the mass. All
+        # modes have the same drag: their quality factors are in proportion to their frequencies.
         return replace(beam, damping=natural_frequency(beam) / self.quality_factor)
 
     @property
     def measured(self) -> str:
-        """One line on a shape that was read from a file, or nothing."""
+        """One line on a shape that was read from a file, or an empty one."""
         return self._measured
 
     def _of_shape(self, free):
-        """The values that the shape sets."""
+        """Give the values that the shape sets, by name."""
         if not self.shape:
             return {}
-        terms, tilt = self.shape.cosines, {}
+        cosines, tilt = self.shape.cosines, {}
         if file := self.shape.file:
             measured = read_shape(file)
             self._measured = f"{file}: {measured.words}"
-            terms = measured.cosines
+            cosines = measured.cosines
             for name, size in (("span", measured.length), ("rise", measured.rise)):
                 written = getattr(self, name)
                 if not abs(size - written) < AS_MEASURED * written:
@@ -123,10 +123,10 @@ class BeamSection(section_of("beam", rise="distance")):
                 tilt = {"imperfection": measured.tilt}
         if beside := next((name for name in COSINES if self.has(name)), None):
             raise ValueError(f".{beside}: repeats the cosines of shape; write one of them")
-        rise = sum(terms[::2])
+        rise = sum(cosines[::2])
         if not rise > 0:
             raise ValueError(f".shape.cosines: the odd ones add up to {rise:g}, not above 0")
-        return tilt | dict(zip(COSINES, (term / rise for term in terms[1:]), strict=False))
+        return tilt | dict(zip(COSINES, (cosine / rise for cosine in cosines[1:]), strict=False))
 
 
 class StopsSection(section_of("stops")):
@@ -164,7 +164,7 @@ class DeviceSection(section_of("", mass="body")):
 
     @classmethod
     def beside(cls, device: Mapping) -> dict[tuple, str]:
-        """Name what a device lacks, or has too much of, with a mass and without one."""
+        """Find keys that a device lacks, or has too many, with a mass or without one."""
         alone, pushed, needs = device.get("mass") == "none", "force" in device, cls.needs()
         needed = [] if alone else ["spring", "contact"]
         if not pushed:
@@ -179,7 +179,7 @@ class DeviceSection(section_of("", mass="body")):
         return {(name,): line for name, line in faults.items()}
 
     def make(self) -> Device:
-        """The device at its reference: its temperature is an axis."""
+        """Make the device at its reference temperature; other temperatures are an axis."""
         values = {"gravity": 1.0, **self.values(), **(ALONE if self.mass == 0 else {})}
         for section in (self.stops, self.thermal, self.strength):
             if isinstance(section, ValuesSection):
@@ -192,7 +192,7 @@ class DeviceSection(section_of("", mass="body")):
 
     @property
     def C(self) -> float | None:
-        """Of the mass, uN us/um; None without a quality factor."""
+        """Damping of the mass by its quality factor, uN us/um; None without such a factor."""
         if self.mass == 0:
             return 0.0
         if not self.has("quality_factor"):
@@ -201,19 +201,20 @@ class DeviceSection(section_of("", mass="body")):
 
 
 RARE_LAST = sorted(VALUES, key=lambda name: QUANTITIES[name].left_out is not None)
-"""Values of the device, those that may be left out at the end."""
+"""Names of all values of the device; those that may be left out come last."""
 
 
 def of_device(make, names=RARE_LAST):
-    """A section with a key for each value of the device."""
+    """Make a section with a key for each value of the device; make: makes one of name and kind."""
     fields = {name: make(name, QUANTITIES[name].kind) for name in names}
     return create_model("OfDevice", __base__=Section, **fields)
 
 
 def load_device(path: ExistingPath) -> Device:
-    """Read the device of a config file, of which other sections are ignored.
+    """Read the device of a config file; other sections of the file are ignored.
 
-    It warns which C a `quality_factor` of the mass is. An invalid file raises ConfigError.
+    A warning gives the C (uN us/um) of a mass with a `quality_factor`. An invalid file raises
+    ConfigError.
 
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
@@ -233,7 +234,7 @@ def load_device(path: ExistingPath) -> Device:
 
 
 def read_device(section: Mapping) -> Device:
-    """The device of a section of a config; raises ConfigError."""
+    """Make the device of a section of a config; raises ConfigError."""
     return _section(section).made
 
 
@@ -245,5 +246,5 @@ def _section(device):
 
 
 def nominal(device: Device | Mapping[str, Device]) -> Device:
-    """The device itself, or the first of several."""
+    """Give the device itself, or the first of several."""
     return next(iter(device.values())) if isinstance(device, Mapping) else device

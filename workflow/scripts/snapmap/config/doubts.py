@@ -1,4 +1,4 @@
-"""What is said of a study before it runs: how its devices vibrate, and what may be amiss."""
+"""Lines on a study before it runs: how its devices vibrate, and what may be wrong."""
 
 from collections.abc import Mapping
 
@@ -15,11 +15,11 @@ from .vibrations import vibrations
 
 IDLE = "has no effect without device.thermal; write modulus, mismatch or damping there"
 TILTING = 8
-"""Shapes of each kind that decide whether a free beam has a second stable one."""
+"""Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
 
 def descriptions(study: Study) -> list[str]:
-    """Lines on each device, whatever the axes change; study: a `Config`."""
+    """Describe each nominal device of a study, in one line each; study: a `Config`."""
     lines = list(study.measured.values())
     for name, device in study.devices().items():
         beam, words = device.beam, []
@@ -36,12 +36,12 @@ def descriptions(study: Study) -> list[str]:
 
 
 def dampers(study: Study) -> np.ndarray | None:
-    """Give C, uN us/um; None where a user's own laws decide its unit."""
+    """Give the values of C, uN us/um; None where a user's own laws decide its unit."""
     return None if "laws" in study.model else study.axes["C"]
 
 
 def doubts(study: Study) -> list[str]:
-    """Lines on what is hardly meant, and on what devices and recorded shocks may leave out.
+    """Warn, in lines, of values that are hardly meant and of what the model may leave out.
 
     study: a `Config`
     """
@@ -66,7 +66,7 @@ def doubts(study: Study) -> list[str]:
 
 
 def tilting(beam: Beam) -> str:
-    """One line on what a beam that is guided, or free to tilt, means for its labels, or nothing."""
+    """Warn, in one line or an empty one, of a beam whose labels depend on its guide."""
     if not beam.free and not beam.stays_if_free:
         ratio = beam.rise / beam.thickness
         return (
@@ -82,7 +82,7 @@ def tilting(beam: Beam) -> str:
 
 
 def stopped(device: Device) -> str:
-    """One line on stops that leave the mass no room to snap the beam, or nothing."""
+    """Warn, in one line or an empty one, of a stop that leaves the mass too little room."""
     if not device.has_stops:
         return ""
     travel = device.stop_toward
@@ -98,13 +98,13 @@ def stopped(device: Device) -> str:
 
 
 def outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
-    """A line for each of a user's own points that lies on no map."""
+    """Name, in a line each, a user's own points that lie on no map."""
     lines = []
     for number, point in enumerate(read_points(path), start=1):
         for key, value in (("f0", point.f0), ("N", point.N)):
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:
+                name = f"{path}: {point.name or f'point {number}'}"
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
-                who = f"{path}: {point.name or f'point {number}'}"
-                lines.append(f"{who} is outside every map: {place}")
+                lines.append(f"{name} is outside every map: {place}")
     return lines

@@ -1,6 +1,6 @@
-"""What keys of a config hold: quantities with units, arguments, axes, paths, sections of others.
+"""Types of the keys of a config: quantities with units, arguments, axes, paths, sections.
 
-A field's description says what would be right, in messages as on docs/config.md.
+A field's description says what would be right, in messages and on docs/config.md.
 """
 
 import re
@@ -34,53 +34,53 @@ from .units import read, show
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
 _LONGEST_KEY = 40
 MOST_ALIKE = 3
-"""Faults of items of a list, each of which has a line."""
+"""Most faults of items of a list that have a line each."""
 _MOST_KNOWN = 20
-"""Keys that a message lists; of more the nearest half as many."""
+"""Most keys that a message lists in full; of more, it lists half as many, the nearest."""
 _FAULT = "fault"
-"""Of pydantic's errors the type of those that are a line of ours."""
+"""Type of pydantic's errors whose message is a line of this package."""
 
 
 class Section(BaseModel):
     """A mapping of known keys; each of its faults is an error of its own."""
 
     known_as: ClassVar[str] = ""
-    """The path by which errors of what it makes name it, as they do from Python."""
+    """Path by which errors of the made object name this section, as they also do from Python."""
     model_config = ConfigDict(extra="forbid", frozen=True)
     _made: object = PrivateAttr(None)
     _keys: tuple[str, ...] = PrivateAttr(())
 
     @classmethod
     def beside(cls, section: Mapping) -> dict[tuple, str]:
-        """What is wrong with keys that are there, or are not, beside others: lines by path."""
+        """Find keys that are missing or too many beside others; returns lines by path."""
         return {}
 
     def make(self) -> object:
-        """What it stands for; ValueError for what cannot be, which may begin with `.key: `."""
+        """Make the object that the section describes; a ValueError may begin with `.key: `."""
 
     @property
     def made(self) -> object:
-        """What it stands for."""
+        """The object that `make` made."""
         return self._made
 
     @property
     def given(self) -> dict:
-        """What the config says: values by key, in its order."""
+        """The values that the config has, by key, in its order."""
         return {key: getattr(self, key) for key in self._keys}
 
     def has(self, *keys: str) -> bool:
-        """Whether the config has one of these keys."""
+        """Tell whether the config has one of these keys."""
         return not self.model_fields_set.isdisjoint(keys)
 
     @classmethod
     def what(cls) -> str:
-        """What would be right in its place."""
+        """Say what would be right in place of the section."""
         words = (cls.__doc__ or "").partition("\n")[0].rstrip(".")  # python -OO has none
         return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
 
     @classmethod
     def needs(cls) -> dict[str, str]:
-        """What would be right, by key."""
+        """Say what would be right for each key."""
         fields = cls.model_fields.items()
         return {field.alias or key: field.description for key, field in fields}
 
@@ -128,9 +128,9 @@ def _nearest(key, known):
 
 
 def lines_of(error: ValidationError, *at: str | int) -> list[str]:
-    """The faults of a section, which stands at a path, with the names of their keys.
+    """Write a line for each fault of a section, with the name of its key; at: path of the section.
 
-    Of more than MOST_ALIKE in the items of a list stand the first and the number of the others.
+    If a list has more than MOST_ALIKE faults, one line gives the first and the number of others.
     """
     alike, lines = {}, []
     for number, fault in enumerate(error.errors()):
@@ -139,20 +139,21 @@ def lines_of(error: ValidationError, *at: str | int) -> list[str]:
         group = alike.setdefault(number if of_list == path else of_list, [])
         group.append(line_at(path, fault["msg"]))
     for faults in alike.values():
-        many = len(faults) > MOST_ALIKE
-        lines += [f"{faults[0]} (and {len(faults) - 1} others of this list)"] if many else faults
+        if len(faults) > MOST_ALIKE:
+            faults = [f"{faults[0]} (and {len(faults) - 1} others of this list)"]
+        lines += faults
     return lines
 
 
 def _list_of(path):
-    """The path of the outermost list at its end."""
+    """Give the path of the outermost list whose items, or items of items, end a path."""
     while path and isinstance(path[-1], int):
         path = path[:-1]
     return path
 
 
 def line_at(path: tuple, line: str) -> str:
-    """A fault with the name of its key, which may be within the path, or at its begin already."""
+    """Put the name of its key before a fault, unless the line has it, or begins with `.key: `."""
     name = name_of(path)
     if _WITHIN.match(line):
         return f"{name if path else ''}{line}".removeprefix(".")
@@ -160,12 +161,12 @@ def line_at(path: tuple, line: str) -> str:
 
 
 def in_list(place: int, line: str) -> str:
-    """A fault of an item of a list, of which the line may begin with the name of a key."""
+    """Put the place of an item in a list before a fault, which may begin with `.key: `."""
     return f"[{place}]{line}" if _WITHIN.match(line) else f"[{place}]: {line}"
 
 
 def name_of(path: tuple) -> str:
-    """device.beam.span, sweep.f0[2]; the document itself is `config`."""
+    """Write a path as `device.beam.span` or `sweep.f0[2]`; the document itself is `config`."""
     name = ""
     for key in path:
         plain = isinstance(key, str) and key.isidentifier() and len(key) <= _LONGEST_KEY
@@ -174,15 +175,15 @@ def name_of(path: tuple) -> str:
 
 
 def key(convert: Callable, need: str, what="", example="", out="") -> object:
-    """A key whose value a function converts; it raises ValueError for what cannot be.
+    """Make the type of a key whose value a function converts, or refuses with a ValueError.
 
-    need: what would be right; what: what it is of; out: what holds if it is left out
+    need: values that would be right; what: meaning of the key; out: what holds if it is left out
     """
     return Annotated[object, PlainValidator(convert), words(need, what, example, out)]
 
 
 def words(need: str, what="", example="", out="", **limits: int) -> object:
-    """The field of a key, in words, as for `key`."""
+    """Make the field of a key; arguments as for `key`, limits as for pydantic's Field."""
     shown = {"example": example, "left_out": out or "required"}
     default = {"default": None} if out else {}
     description = ": ".join(filter(None, [need, what]))
@@ -190,7 +191,7 @@ def words(need: str, what="", example="", out="", **limits: int) -> object:
 
 
 def quantity(kind: str, what="", example="", out="") -> object:
-    """A number with a unit, of a key of KINDS, in its internal unit."""
+    """Make the type of a number with a unit, converted to the internal one; kind: key of KINDS."""
     example = example or KINDS[kind].example.replace("'", "")
     return key(lambda value: read(value, kind), _need(kind), what, example, out)
 
@@ -200,7 +201,7 @@ def _need(kind):
 
 
 def argument(taken: object, what="", example="", out="") -> object:
-    """An Argument, or that of a type in the signature of a function of Python."""
+    """Make the type of a key by an Argument, or by a type in the signature of a function."""
     taken = taken if isinstance(taken, Argument) else argument_of(taken)
 
     def fit(value):
@@ -212,17 +213,17 @@ def argument(taken: object, what="", example="", out="") -> object:
 
 
 def word(*words: str, what="", out="") -> object:
-    """One of some words."""
+    """Make the type of a key that has one of some words."""
     return argument(one_of(*words), what, "", out)
 
 
 def flag(what: str, out="") -> object:
-    """True or false."""
+    """Make the type of a key that is true or false."""
     return argument(Argument("true or false", lambda value: isinstance(value, bool)), what, "", out)
 
 
 def path(what: str, example="", out="", check: Callable = str) -> object:
-    """The path of a file in the study's folder; check: what becomes of it."""
+    """Make the type of a path of a file in the study's folder; check: converts the path."""
     need = f"the path of {what}"
 
     def convert(value):
@@ -234,7 +235,7 @@ def path(what: str, example="", out="", check: Callable = str) -> object:
 
 
 def either(section: type[Section], other: object, need: str, what="", example="", out="") -> object:
-    """A section or, where no mapping stands, something else."""
+    """Make the type of a key that has a section, or a value of another type."""
     other = TypeAdapter(other)
 
     def convert(value):
@@ -245,17 +246,17 @@ def either(section: type[Section], other: object, need: str, what="", example=""
 
 
 def part(section: type[Section], out="") -> object:
-    """A section of its own."""
+    """Make the type of a key that has a section."""
     return Annotated[section, words(section.what(), "", "", out)]
 
 
 def many(item: object, need: str, example="", out="", least=0) -> object:
-    """A list."""
+    """Make the type of a list of items, at least so many."""
     return Annotated[list[item], words(need, "", example, out, min_length=least)]
 
 
 def inside(file: str) -> str:
-    """The path of a file that lies in the study's folder; else ValueError, one line."""
+    """Return the path of a file in the study's folder; ValueError, one line, for any other."""
     if PurePath(file).is_absolute() or ".." in PurePath(file).parts:
         raise ValueError(f"{file} lies outside the study's folder; copy it there")
     return file
@@ -270,7 +271,7 @@ class Range(Section):
     spacing: word("linear", "log", out="`linear`")
 
     def make(self) -> np.ndarray:
-        """From one end to the other; names ends that do not fit the points, or their spacing."""
+        """Make the values; ValueError for ends that do not fit their number or the spacing."""
         ends = [self.start, self.stop]
         if not np.isfinite(ends).all():
             raise ValueError("hard cannot be an end of a range; write a list")
@@ -294,7 +295,7 @@ def _range(kind):
 
 
 def axis(kind: str, what: str, example="", out="") -> object:
-    """A list of quantities, or a range of them, as an array, ascending."""
+    """Make the type of an axis: a list of quantities, or a range, as an ascending array."""
 
     def ascending(written):
         values = np.sort(written.made if isinstance(written, Range) else written)

@@ -1,4 +1,4 @@
-"""The shape of a beam as measured along it, under a microscope: smoothed by a few cosines."""
+"""The shape of a beam as measured along it, and the few cosines that fit it."""
 
 import math
 from pathlib import Path
@@ -16,17 +16,19 @@ COSINES = 5
 MOST = 20_000
 LEAST = 20
 PROFILE = 2_000_000, f"write at most {MOST} points"
-"""Most bytes of such a file, and the remedy for more, as `read_named` takes both."""
+"""Most bytes of a file with a shape, and the remedy for more, as `read_named` takes both."""
 LENGTHS = {"um": 1.0, "µm": 1.0, "μm": 1.0, "nm": 1e-3, "mm": 1e3, "m": 1e6}
 FARTHEST = 0.1
-"""Distance of the fit from the points, rms over the rise, beyond which it is no clamped beam."""
+"""Largest distance of the fit from the points, rms over the rise, that a clamped beam may have."""
 
 
 class Measured(NamedTuple):
-    """Cosines fitted to a measured shape, beside a straight line for how it lay: um.
+    """Cosines that fit a measured shape, beside a straight line for its inclination; all in um.
 
-    cosines: of (1 - cos(2 n pi x/L))/2; tilt: largest displacement in the first antisymmetric shape
-    rms, most: distance of the points from the fit; points: how many; length: from first to last
+    cosines: amplitudes of (1 - cos(2 n pi x/L))/2
+    tilt: largest displacement in the first antisymmetric shape
+    rms, most: distance of the points from the fit
+    points: number of points; length: distance of the last from the first
     """
 
     cosines: list[float]
@@ -51,10 +53,10 @@ class Measured(NamedTuple):
 
 
 def read_shape(path: str | Path) -> Measured:
-    """Read a measured shape; raises ValueError, one line, naming file and fault.
+    """Read a measured shape; raises ValueError, one line, with file and fault.
 
-    path: CSV of two columns, x and w, whose header names the units, as in `x (um),w (um)`: points
-        from clamp to clamp in any order, of which the first and the last are at the clamps
+    path: CSV with two columns, whose header has their units, as `x (um),w (um)`; rows are points
+        from clamp to clamp, in any order
     """
     with naming(path):
         content = read_named(path, *PROFILE)
@@ -86,9 +88,8 @@ def _fit(x, w, length):
         ]
     )
     fit = solve(multiply(columns.T, columns), apply(columns.T, w))
-    away = w - apply(columns, fit)
-    # A beam that was drawn upside down.
-    cosines = (fit[2:-1] * math.copysign(1.0, fit[2])).tolist()
-    rms, most = math.sqrt(dot(away, away) / x.size), float(np.abs(away).max())
+    residual = w - apply(columns, fit)
+    rms, most = math.sqrt(dot(residual, residual) / x.size), float(np.abs(residual).max())
+    cosines = (fit[2:-1] * math.copysign(1.0, fit[2])).tolist()  # also if drawn upside down
     tilt = abs(float(fit[-1]))
     return Measured(cosines, tilt=tilt, rms=rms, most=most, points=x.size, length=length)

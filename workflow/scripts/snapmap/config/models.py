@@ -1,4 +1,4 @@
-"""The sections of a config beside device and shock, and the whole: `Document`."""
+"""The sections of a config but device and shock, and the whole config: `Document`."""
 
 import re
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ from .views import MOST_MAPS
 
 
 def _read_by(read, *limits):
-    """Path and SHA-256 of a file in the study's folder that is read, or run."""
+    """Make a function that checks a file by reading it, and returns its path and SHA-256."""
 
     def convert(file):
         sha256 = sha256_of(file, *limits)
@@ -61,7 +61,7 @@ class ModelSection(Section):
     )
 
     def make(self) -> dict:
-        """Its name and options, with the SHA-256 of a file of laws."""
+        """Make name and options of the model, with the SHA-256 of a file of laws."""
         files = dict(zip(("laws", "sha256"), self.laws or (), strict=False))
         return take_model(self.given | files) if files else self.given
 
@@ -113,7 +113,7 @@ class SweepSection(_Axes):
     )
 
     def make(self) -> Settings:
-        """How each cell is followed."""
+        """Make the settings by which cells are followed."""
         names = "horizon", "start", "until", "repeat", "energy_tolerance"
         return settings_of({name: self.given[name] for name in names if self.has(name)})
 
@@ -188,7 +188,7 @@ class _Core(Section):
 
     @classmethod
     def beside(cls, document: Mapping) -> dict[tuple, str]:
-        """What sections lack, or have too much of, by others."""
+        """Find sections and keys that are missing, or that exclude others."""
         faults, sweep, several = {}, document.get("sweep"), document.get("devices")
         if "device" not in document and "devices" not in document:
             faults["device",] = f"missing; write {cls.needs()['device']}"
@@ -207,13 +207,13 @@ class _Core(Section):
         return faults
 
     def make(self) -> Device | dict[str, Device]:
-        """The device, or several by name."""
+        """Make the device, or several by name."""
         if self.device:
             return self.device.made
         return {name: section.made for name, section in self.devices.items()}
 
     def devices_by_name(self) -> dict[str, DeviceSection]:
-        """Their sections; one alone is called `device`."""
+        """Give the sections of the devices; a single one is called `device`."""
         return self.devices or {"device": self.device}
 
 
@@ -227,7 +227,7 @@ Document = create_model("Document", __base__=_Core, __doc__=_Core.__doc__, **_SE
 
 
 def _dampers(document, sweep, several):
-    """Name what is wrong where C stands under sweep, or follows from each quality factor."""
+    """Find what is wrong with C, which stands under sweep or follows from the quality factors."""
     at = {("devices", name): device for name, device in several.items()}
     at = at or {("device",): document.get("device")}
     at = {path: device for path, device in at.items() if isinstance(device, Mapping)}

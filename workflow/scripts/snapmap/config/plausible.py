@@ -1,4 +1,4 @@
-"""Values that convert, and yet are hardly meant: what a wrong unit leaves behind."""
+"""Warnings of values that are hardly meant, as after a slip of a unit."""
 
 import math
 
@@ -9,30 +9,30 @@ from ..device.quantities import QUANTITIES, plain
 from ..device.samples import Plan
 
 STEEP = 0.05
-"""Rise over span above which what is neglected raises forces by more than 1 %."""
+"""Rise over span above which the assumption of a shallow arch raises forces by more than 1 %."""
 FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 413.0
-"""By how much, in %, over the square of rise over span: docs/validation.md."""
+"""Errors of forces and thresholds in %, over the square of rise over span: docs/validation.md."""
 SLENDER = 20.0, 5000.0
-"""Span over thickness below which the same holds of shear; above no beam is made."""
+"""Span over thickness below which shear raises forces by 1 %, and above which no beam is made."""
 SLAB = 0.05, 10.0
 """Depth over thickness below which, and over span above which, no beam is made."""
 CREEPING = 10.0
-"""C over that of critical damping, above which it is hardly meant."""
+"""C over critical damping above which it is hardly meant."""
 WIDE = 0.3
-"""Scatter over the nominal value, above which it is hardly meant."""
+"""Scatter over the nominal value above which it is hardly meant."""
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse, above which it is hardly meant."""
 
 
 def unusual(device: Device) -> list[str]:
-    """Lines on values beyond what is usual, of a batch of devices."""
+    """Warn, in lines, of values of a batch of devices that are beyond the usual."""
     lines = []
     for key, quantity in QUANTITIES.items():
         (low, high), unit = quantity.usual, quantity.unit
         if (low, high) == (-math.inf, math.inf):
             continue
         values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
-        # Under a force gravity is of no account.
+        # Under a force, gravity has no effect.
         counts = np.equal(device.force, 0) | (key != "gravity")
         beyond = values[((values < low) | (values > high)) & counts]
         if beyond.size:
@@ -44,7 +44,7 @@ def unusual(device: Device) -> list[str]:
 
 
 def wide(plan: Plan) -> list[str]:
-    """Lines on values that scatter by more than is made."""
+    """Warn, in lines, of values that scatter by more than WIDE."""
     lines = []
     for key, scatter in plan.scatters.items():
         share = scatter.width / (1.0 if scatter.is_share else abs(plan.nominal[key]) or math.inf)
@@ -57,7 +57,7 @@ def wide(plan: Plan) -> list[str]:
 
 
 def implausible(device: Device, C: np.ndarray | None, f0: np.ndarray) -> list[str]:
-    """Lines on what is hardly meant, of a batch of devices.
+    """Warn, in lines, of values of a batch of devices, of C and of f0 that are hardly meant.
 
     C: uN us/um, ascending; None under a user's own laws; f0: Hz, ascending
     """

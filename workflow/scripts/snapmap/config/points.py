@@ -1,4 +1,4 @@
-"""A user's own points, shocks that a device was given, from a table."""
+"""A user's own points: shocks of an experiment, read from a table to be drawn on maps."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from ..files.tables import ANSWERS, ROWS, SHOCKS, read_table
 class Point(NamedTuple):
     """A shock, and whether the device snapped under it.
 
-    N: multiples of g; f0: Hz; snapped: None where the table leaves it open
+    N: multiples of g; f0: Hz; snapped: None if the table does not say
     """
 
     name: str
@@ -20,11 +20,10 @@ class Point(NamedTuple):
 
 
 def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
-    """Read a user's own points from CSV; raises ValueError, one line.
+    """Read a user's own points from a CSV file; raises ValueError, one line.
 
-    The header names the columns: N; f0 (Hz) or duration (ms); and, if wanted, name and snapped
-    (yes, no or nothing).
-    sha256: of the file as the run was planned, hex digits; empty for any
+    The columns are N; f0 (Hz) or duration (ms); optionally name, and snapped (yes, no or empty).
+    sha256: hex digits that the file must have, as when the run was planned; empty for any
     """
     numbers = SHOCKS | {"duration": SHOCKS["duration"] | {"": 1e3}}
     words = {"name": None, "snapped": ANSWERS | {"": None}}

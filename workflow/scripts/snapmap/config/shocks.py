@@ -1,4 +1,4 @@
-"""The section of the shock."""
+"""The section of the shock in a config."""
 
 from collections.abc import Mapping
 
@@ -12,7 +12,7 @@ from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from .keys import Section, argument, many, part, path, quantity, word
 
 TIMED = ("file", *MAKERS)
-"""Keys of shocks that are more than a shape, and last as long as they last."""
+"""Keys of shocks that are more than a shape, and set their own duration."""
 SHAPE = word(*SHAPES, out=f"`{VERSED_SINE}`")
 SHARE = quantity("share", "part of the duration of a trapezoid", "10 %", "`10 %`")
 
@@ -47,13 +47,13 @@ def _shapes(value):
 
 
 def several_shapes(more, out):
-    """One shape, or a list."""
-    fits = Argument(f"one of {', '.join(SHAPES)}, {more}", _shapes)
-    return argument(fits, example="half sine, [half sine, sawtooth]", out=out)
+    """Make the type of a key that has a shape, or a list of shapes."""
+    shapes = Argument(f"one of {', '.join(SHAPES)}, {more}", _shapes)
+    return argument(shapes, example="half sine, [half sine, sawtooth]", out=out)
 
 
 PUSHES, PUSHED = (*DIRECTIONS, "both"), "+z presses the mass on the beam"
-"""Values of a direction, and what the first means."""
+"""Values of a direction, and the meaning of the first."""
 
 
 class PulseSection(Section):
@@ -76,13 +76,13 @@ class PulseSection(Section):
 
     @classmethod
     def beside(cls, pulse: Mapping) -> dict[tuple, str]:
-        """Name what stands beside a shock that is more than a shape."""
+        """Find keys that a shock which sets its own duration excludes."""
         timed = next((name for name in TIMED if name in pulse), None)
         others = [key for key in ("shape", *SHARES, *TIMED) if key in pulse and key != timed]
         return {(key,): f"excludes {timed}; write one of them" for key in others if timed}
 
     def values(self) -> dict:
-        """What it says, in internal units, with the SHA-256 of a file."""
+        """Give the values that are written, in internal units, with the SHA-256 of a file."""
         names = [*PulseSection.model_fields]
         values = self.model_dump(include=names, exclude_unset=True)
         try:
@@ -91,12 +91,12 @@ class PulseSection(Section):
             raise ValueError(f".file: {error}") from None
 
     def make(self) -> Shocks:
-        """The shocks."""
+        """Make the shocks."""
         return shocks_of(self.values())
 
 
 def shocks_of(values: Mapping) -> Shocks:
-    """The shocks of a section, by its values."""
+    """Make the shocks of a section by its values, as `PulseSection.values` gives them."""
     if "file" in values:
         pulse = read_pulse(values["file"], values["sha256"])
         return make_shocks(pulse, values.get("direction", "+z"))
@@ -104,7 +104,7 @@ def shocks_of(values: Mapping) -> Shocks:
 
 
 def one_time(section, lasts_itself=False, at=()):
-    """Name f0 and duration beside each other, or neither of them."""
+    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
     if "f0" in section and "duration" in section:
         return {(*at, "duration"): "excludes f0, which is 1/duration; write one of them"}
     if "f0" in section or "duration" in section or lasts_itself:
@@ -113,5 +113,5 @@ def one_time(section, lasts_itself=False, at=()):
 
 
 def is_title(value: object) -> bool:
-    """Whether it is a line that may stand in tables."""
+    """Tell whether a value is a line that may stand in tables."""
     return isinstance(value, str) and len(value) <= 60 and is_name(value)

@@ -1,4 +1,4 @@
-"""The door: a config document to a `Config` in internal units, or one line for every fault."""
+"""The conversion of a config document to a `Config` in internal units."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,28 +25,28 @@ from .views import View, choose_curves, choose_maps, frequency_of, read_places
 from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
-"""Keys of the section sweep that are axes, but for the duration, which is f0 by another name."""
+"""Keys of the section sweep that are axes; `duration` is f0 by another name."""
 OF_LAWS = ("histories",)
-"""Applications that follow a model with a user's own laws, by their requests."""
+"""Applications that can follow a model with a user's own laws."""
 DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
-"""Those that a design chooses."""
+"""Axes that a design chooses."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Config(Study):
-    """A study with the cells of its sweep, and what else is made of it.
+    """A study with the cells of its sweep, and the requests for all its products.
 
-    grid: all axes, each ascending
-    pulse: its section, in internal units, with the SHA-256 of a record
-    requests: what is asked of each application, by its folder; false for nothing
-    threshold_tolerance: of the thresholds in N, relative
-    maps, curves: what is drawn of cells and thresholds
-    own_points: path and SHA-256 of a user's own points on the maps, or nothing
-    left_out: one line on what is not drawn, or nothing
+    grid: all points of the axes, each ascending
+    pulse: section of the pulse, in internal units, with the SHA-256 of a record
+    requests: request to each application, by the name of its folder; false for no request
+    threshold_tolerance: relative refinement of the thresholds in N
+    maps, curves: figures of cells and of thresholds
+    own_points: path and SHA-256 of a user's own points on the maps, or ()
+    left_out: one line on maps that are not drawn, or an empty one
     measured: lines on shapes of beams that were read from files, by device and path
-    title: of the data sheet
-    written: the sections of the devices by their names, as they are written
-    units: in which the axes of device and C are written
+    title: head of the data sheet
+    written: sections of the devices by name, as the config has them
+    units: units in which the config has the axes of device and C
     """
 
     grid: Grid
@@ -64,23 +64,23 @@ class Config(Study):
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
-        """Values by name, in the order of all products."""
+        """Values of all axes by name, in the order that all products have."""
         return self.grid.axes
 
     @property
     def temperatures(self) -> list[float]:
-        """Those at which requirements must be met, degC; none if that is each device's own."""
+        """Temperatures at which requirements must be met, degC; [] for each device's own."""
         return self.axes["temperature"].tolist() if "temperature" in self.axes else []
 
     def inputs(self, *keys: str) -> dict:
-        """What its products depend on beside axes, in plain values: Snakemake compares them.
+        """Give all but the axes that products depend on, in plain values that Snakemake compares.
 
-        keys: of the settings on which they depend; all of them by default
+        keys: names of the settings to include; all by default
         """
         return self.document(keys) | {"pulse": self.pulse}
 
     def of_thresholds(self) -> "Config":
-        """The same, each cell followed as all functions but `sweep` follow it."""
+        """Give the study with the settings by which all functions but `sweep` follow cells."""
         return replace(self, settings=self.settings._replace(until="settled", repeat=True))
 
     @property
@@ -89,7 +89,7 @@ class Config(Study):
         return any(device.strength < np.inf for device in self.devices().values())
 
     def files(self) -> dict[str, str]:
-        """SHA-256 of each file that the config names, as it was read, by path."""
+        """Give the SHA-256 of each file that the config names, as it was read, by path."""
         recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points] if self.own_points else [])
@@ -98,44 +98,35 @@ class Config(Study):
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
-    """The study of a job, of its run's config; ValueError, one line, for a file edited since."""
+    """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
     hold_to_plan(study.files(), plans=False)
     return replace(study, settings=study.settings._replace(threads=threads))
 
 
 def load_config(document: Mapping) -> Config:
-    """Check a whole config document and convert it; raises ConfigError naming every fault."""
+    """Check a whole config document and convert it; a ConfigError has a line for each fault."""
     try:
         parts = Document.model_validate(document)
     except ValidationError as error:
         raise ConfigError(*lines_of(error)) from None
-    faults = []
-
-    def part(path, make, *arguments):
-        try:
-            return make(*arguments)
-        except ValueError as error:
-            line = str(error)
-            return faults.append(line if line.startswith("device") else line_at(path, line))
-
-    device, sweep = parts.made, parts.sweep
+    faults, device, sweep = _Faults(), parts.made, parts.sweep
     shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
-    C = part(("devices",), _damper, parts)
-    grid = None if faults else part(("sweep",), _grid, parts, shocks, C)
+    C = faults.catch(("devices",), _damper, parts)
+    grid = None if faults else faults.catch(("sweep",), _grid, parts, shocks, C)
 
-    def views(name, make):
+    def views(name, y):
+        def read(view):
+            return view.x, getattr(view, y), read_places(view.given, grid.axes)
+
         sections = getattr(parts, name)
-        return sections and [part((name, i), make, view) for i, view in enumerate(sections)]
+        return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]
 
-    maps, curves = None, None
     if grid:
-        maps = views("maps", lambda v: (v.x, v.y, read_places(v.given, grid.axes)))
-        curves = views("thresholds", lambda v: (v.x, v.lines, read_places(v.given, grid.axes)))
-        part(("sweep",), require_start, sweep.made.start, grid.device)
-    part(("device",), lambda: Study(device=device, shocks=shocks))  # forces shake no frame
-    if faults:
-        raise ConfigError(*dict.fromkeys(faults))
+        maps, curves = views("maps", "y"), views("thresholds", "lines")
+        faults.catch(("sweep",), require_start, sweep.made.start, grid.device)
+    faults.catch(("device",), lambda: Study(device=device, shocks=shocks))  # refuses some forces
+    faults.refuse()
     chosen, left_out = choose_maps(grid, nominal(device), maps)
     study = Config(
         device=device,
@@ -163,24 +154,40 @@ def load_config(document: Mapping) -> Config:
     for name, application in attached().items():
         if hasattr(application, "request"):
             key = key_of(name, application)
-            section = getattr(parts, key, None)
-            study.requests[name] = part((key,), application.request, section, study, parts)
+            arguments = getattr(parts, key, None), study, parts
+            study.requests[name] = faults.catch((key,), application.request, *arguments)
             laws = study.requests[name] and laws_of(study.model)
             if laws and (name not in OF_LAWS or laws.solver):
                 faults.append(f"{key}: does not work with model.laws; leave one of them out")
-    if faults:
-        raise ConfigError(*dict.fromkeys(faults))
+    faults.refuse()
     return study
 
 
+class _Faults(list):
+    """Lines on the faults of a config."""
+
+    def catch(self, path, function, *arguments):
+        """Call a function, and take its ValueError as the fault of the key at a path."""
+        try:
+            return function(*arguments)
+        except ValueError as error:
+            line = str(error)
+            self.append(line if line.startswith("device") else line_at(path, line))
+
+    def refuse(self):
+        """Raise ConfigError if there are faults."""
+        if self:
+            raise ConfigError(*dict.fromkeys(self))
+
+
 def _unit(key, written):
-    """The unit of the first value of an axis."""
+    """Give the unit of the first value of an axis, as `unit_of` does."""
     first = written["from"] if isinstance(written, Mapping) else written[0]
     return unit_of(first, QUANTITIES[key].kind)
 
 
 def require_start(start: str, *devices: Device) -> None:
-    """Raise ValueError unless beams stay in the shape in which they rest at first."""
+    """Raise ValueError, one line, unless beams are stable in the shape in which they start."""
     for beam in (device.beam for device in devices if start == SECOND):
         if np.any(beam.free):
             try:
@@ -190,7 +197,7 @@ def require_start(start: str, *devices: Device) -> None:
 
 
 def _damper(parts):
-    """C by the quality factors of the devices, if they have any."""
+    """Give C by the quality factors of the devices, uN us/um; it does not count beside sweep.C."""
     dampers = {section.C for section in parts.devices_by_name().values()}
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
         raise ValueError("quality factors give each device another C; write sweep.C")
@@ -198,7 +205,7 @@ def _damper(parts):
 
 
 def _grid(parts, shocks, C):
-    """The points of the sweep, its axes in the order of the config."""
+    """Make the grid of the sweep, with axes in the order of the config; C: by `_damper`."""
     sweep, axes = parts.sweep, {}
     for key, values in sweep.given.items():
         if key == "duration":

@@ -1,4 +1,4 @@
-"""Text with a unit to a number in internal units: um, ng, us; frequencies stay in Hz."""
+"""The conversion of text with a unit to internal units: um, ng, us; frequencies stay in Hz."""
 
 import math
 import re
@@ -10,9 +10,9 @@ from ..device.quantities import KINDS, bounds_of
 from ..files.extras import needing
 
 LEAST, MOST = 1e-15, 1e15
-"""In internal units: no device has values beyond, and they would overflow further on."""
+"""Least and largest size of a value but 0, in internal units; larger ones would overflow later."""
 WORDS = {("contact", "hard"): math.inf, ("body", "none"): 0.0}
-"""Values that are a word, by kind."""
+"""Numbers behind values that are a word, by kind and word."""
 USUAL = {
     "um": {"nm": "1e-3", "um": "1", "mm": "1e3", "m": "1e6"},
     "us": {"us": "1", "ms": "1e3", "s": "1e6"},
@@ -27,7 +27,7 @@ USUAL = {
     "1/us": {"/us": "1", "/s": "1e-6"},
     "1/K": {"/K": "1"},
 }
-"""How many internal units make one of these; pint, slow to import, is asked for others."""
+"""Sizes of usual units in internal ones; pint, which is slow to import, converts all others."""
 
 # Pint evaluates arithmetic such as 9**9**9: a unit reaches it only if it has the form below.
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
@@ -43,7 +43,7 @@ _ARITHMETIC = Context(prec=40, traps=[])
 def read(value: object, kind: str) -> float:
     """Convert a value of the config to the internal unit of its kind, a key of KINDS.
 
-    Raises ValueError with one line: the value, what is wrong, what would be right.
+    Raises ValueError, one line: the value, what is wrong with it, and what would be right.
     """
     if isinstance(value, str) and (kind, value) in WORDS:
         return WORDS[kind, value]
@@ -63,11 +63,11 @@ def read(value: object, kind: str) -> float:
 
 
 FEW = 4
-"""Items of a list that a message shows at most."""
+"""Most items of a list or mapping that a message shows."""
 
 
 def show(value: object, longest: int = _LONGEST) -> str:
-    """Quote a value in a message, in one short line; text longer than that is cut."""
+    """Quote a value for a message, in one line; text of more than `longest` signs is cut."""
     if isinstance(value, Mapping):
         keys = f" of {', '.join(map(show, value))}" if 0 < len(value) <= FEW else ""
         return f"a mapping{keys}"
@@ -87,7 +87,7 @@ def _is_plain(value):
 
 
 def unit_of(value: object, kind: str) -> tuple[str, float]:
-    """The unit of a value that `read` takes, as it is spelt, and how many internal ones it is."""
+    """Give the unit of a value that `read` takes: its spelling, and its size in internal units."""
     target, match = KINDS[kind].unit, _matches(_QUANTITY, value)
     return (unit := match[2].strip(), float(_factor(unit, target))) if match else (target, 1.0)
 
@@ -125,14 +125,14 @@ def _quantity(value, target):
 
 
 def _factor(unit, target):
-    """How many `target` make one `unit`; a ValueError says what is wrong with `unit`."""
+    """Give the size of a unit in units of `target`; a ValueError says what is wrong with it."""
     usual = USUAL.get(target, {})
     return Decimal(usual[unit]) if unit in usual else by_pint(unit, target)
 
 
 @cache
 def by_pint(unit: str, target: str) -> Decimal:
-    """The same of any unit."""
+    """Give the size of any unit in units of `target`, by pint; ValueError as of `_factor`."""
     registry = _registry()
     wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
     try:
@@ -140,7 +140,7 @@ def by_pint(unit: str, target: str) -> Decimal:
         factor, root = registry.get_root_units(parsed)
     except Exception:  # pint lets errors of a dozen types through
         raise ValueError(f"has an unknown unit, {show(unit)}") from None
-    # Of temperatures in other scales the zero differs, too.
+    # Other scales of temperature have another zero.
     if root.dimensionality != root_wanted.dimensionality or target == "degC":
         raise ValueError(f"does not convert to {target}")
     # Radians, turns and counts have no dimension: pint would take 1 rad/s for 1 Hz.

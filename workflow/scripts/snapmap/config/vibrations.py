@@ -1,4 +1,4 @@
-"""How beam and mass of a device vibrate, each by itself, in words."""
+"""Frequencies and quality factors of beam and mass, each by itself, in words."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,9 @@ from ..device.quantities import plain
 
 
 def vibrations(device: Device, C: Sequence[float] | None) -> list[list[str]]:
-    """Give name, frequency and quality factor of the beam, and of the mass if there is one.
+    """Give name, frequency and quality factor of the beam, and of the mass if the device has one.
 
-    device: a single one; C: of the mass, uN us/um; None under a user's own laws
+    device: a single device; C: damping of the mass, uN us/um, None under a user's own laws
     """
     omega, damping = float(natural_frequency(device.beam)), float(device.beam.damping)
     rows = [["beam", _frequency(omega), _quality(omega, damping)]]
@@ -24,7 +24,7 @@ def vibrations(device: Device, C: Sequence[float] | None) -> list[list[str]]:
 
 
 def _damped(omega, mass, C):
-    """Write the quality factor of the mass at both ends of C."""
+    """Write the quality factor of the mass at the least and the largest C."""
     ends = dict.fromkeys((np.min(C), np.max(C)))
     rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
     return f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * mass * omega)})"

@@ -1,4 +1,4 @@
-"""What is drawn of a study: which two axes, and where on all others; and which single cells."""
+"""The choice of figures of a study: their two axes, and the places on all other axes."""
 
 from collections.abc import Collection, Mapping, Sequence
 from itertools import product
@@ -13,20 +13,20 @@ from ..study.axes import DURATION, NAMES, PULSE_AXES, Grid, axis_behind
 from .units import read, show
 
 MOST_DAMPINGS = 6
-"""Figures whose lines are names, each at its own C, unless more are requested."""
+"""Most values of C that have a figure with lines for names, unless more are requested."""
 MOST_MAPS = 12
-"""Maps that are drawn unless others are requested by name."""
+"""Most maps that are drawn without a request."""
 MAPS = "maps"
-"""Name of all maps of cells that nobody requested: they are panels of one figure."""
+"""Name of the figure whose panels are the maps of cells without a request."""
 
 
 class View(NamedTuple):
     """A figure over axes of a study.
 
-    name: of its file; views of one name are panels of one figure
-    x, y: names of axes; of thresholds y has a line for each of its values
-    at: place on each other axis; of a map without N as x or y and not in `at` thresholds are meant
-    required_shocks: of a map of cells: name, f0 (Hz), N, and whether its pulse is that of the map
+    name: name of its file; views of the same name are panels of one figure
+    x, y: names of axes; a figure of thresholds over x has a line for each value of y
+    at: place on each other axis; a map without N among x, y and `at` shows thresholds
+    required_shocks: on a map of cells: name, f0 (Hz), N, and whether the pulse is that of the map
     """
 
     name: str
@@ -37,19 +37,19 @@ class View(NamedTuple):
 
     @property
     def is_of_cells(self) -> bool:
-        """Whether cells are meant, not thresholds."""
+        """Whether the view shows cells, not thresholds."""
         return "N" in (self.x, self.y, *self.at)
 
 
 def frequency_of(duration: float) -> float:
-    """Hz, of a pulse of so many us, to 14 digits: 0.5 ms is 2000 Hz."""
+    """Give the frequency, Hz, of a pulse by its duration, us, to 14 digits: 0.5 ms is 2000 Hz."""
     return float(f"{1e6 / duration:.14g}")
 
 
 def read_places(view: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]:
-    """The places on axes that a view names under `at`, the nearest value of each.
+    """Find the places on axes, by name, nearest to the values that a view has under `at`.
 
-    view: its axes, and `at`; ValueError, one line, for one that cannot be
+    view: section of the config; ValueError, one line, for axes or values that cannot be drawn
     """
     drawn = {key: axis_behind(axis) for key, axis in view.items() if key != "at"}
     for key, axis in drawn.items():
@@ -85,11 +85,11 @@ def _nearest(values, value):
 def choose_maps(
     grid: Grid, nominal: Device, requests: Sequence[tuple] | None
 ) -> tuple[tuple[View, ...], str]:
-    """Choose maps: those requested, or N over f0 (or over what has several values) for all others.
+    """Choose the requested maps, or one for each point of all axes but those of the default plane.
 
-    requests: x, y and places of each; on other axes it is taken where the nominal device stands,
-        or in the middle
-    Returns them and one line on what is left out, or nothing.
+    requests: x, y and places of each map; on axes without a place it is drawn where the nominal
+        device is, or in the middle
+    Returns the maps, and one line on those that are left out, or an empty one.
     """
     if requests is not None:
         return _once(_view(grid, nominal, "map", *request) for request in requests), ""
@@ -109,9 +109,9 @@ def choose_maps(
 
 
 def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
-    """Places where devices as made are drawn, by the ending of the figures' names.
+    """Give a place for each combination of names, by the ending that names of figures get.
 
-    of: those of the axes of names that matter
+    of: axes of names that are combined
     """
     names = [key for key in _names(grid) if key in of]
     places = {}
@@ -124,9 +124,9 @@ def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str,
 def choose_curves(
     grid: Grid, nominal: Device, requests: Sequence[tuple] | None
 ) -> tuple[View, ...]:
-    """Choose figures of thresholds: those requested, or one over each axis of several values.
+    """Choose the requested figures of thresholds, or one over each axis of several values.
 
-    requests: x, axis of the lines, and places of each
+    requests: x, axis of the lines, and places of each figure
     """
     if requests is not None:
         return _once(_view(grid, nominal, "thresholds", *request) for request in requests)
@@ -149,7 +149,7 @@ def choose_curves(
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
-    """Choose the lines of the damage boundary, thresholds over f0; none where a force pushes."""
+    """Choose the figure of the damage boundary; there is none for a device pushed by a force."""
     if np.any(grid.device.force):
         return ()
     view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
@@ -157,16 +157,17 @@ def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
 
 
 def _lines(grid, several, x):
-    """Of which axis a figure of thresholds has a line for each value."""
+    """Choose the axis of which a figure of thresholds over x has a line for each value."""
     return next(key for key in (*_names(grid), "C", *several) if key in grid.axes and key != x)
 
 
 def _names(grid):
-    """Axes of several names."""
+    """List the axes of several names."""
     return [key for key in NAMES if key in grid.axes and grid.axes[key].size > 1]
 
 
 def _default_plane(grid):
+    """Choose x and y of maps without a request: N over f0, or over axes of several values."""
     several = [key for key in _several(grid) if key not in PULSE_AXES]
     first = "f0" if "f0" in several or not several else several[0]
     rest = [key for key in several if key != first]
@@ -175,7 +176,7 @@ def _default_plane(grid):
 
 
 def _several(grid):
-    """Axes of several values but N."""
+    """List the axes of several values, without N."""
     return [key for key, values in grid.axes.items() if values.size > 1 and key != "N"]
 
 
@@ -194,7 +195,7 @@ def _view(grid, nominal, stem, x, y, places):
 
 
 def _usual(values, key, nominal):
-    """Where the nominal device stands on an axis, or its middle."""
+    """Find the place of the nominal device on an axis, or else its middle."""
     if key in NAMES:
         return 0
     if key not in VALUES:
@@ -204,7 +205,7 @@ def _usual(values, key, nominal):
 
 
 def _name(grid, stem, at):
-    """map_thickness1.9_C25; an axis of one value is not named, but C is."""
+    """Name a figure, as map_thickness1.9_C25, by its places on C and on axes of several values."""
     parts = [
         value_name(key, grid.axes[key], place)
         for key, place in at.items()
@@ -214,7 +215,7 @@ def _name(grid, stem, at):
 
 
 def value_name(key: str, values: np.ndarray, place: int) -> str:
-    """Name a value of an axis in a file's name: as short as tells it from the others."""
+    """Write a value of an axis for a file's name, as short as differs from all other values."""
     if key in NAMES:
         return str(values[place]).replace(" ", "_")
     words = [f"{value:.6g}" for value in values]

@@ -1,4 +1,4 @@
-"""A config file as a plain mapping: YAML without its surprises."""
+"""Config files are read as plain mappings: YAML without its surprises."""
 
 import re
 from pathlib import Path
@@ -9,20 +9,20 @@ from ..files.named import naming, read_named
 from .units import show
 
 CONFIG = 300_000, "write axes as from, to, points"
-"""Bytes that a config may have, and what to do about more: YAML is slow to read."""
+"""Most bytes of a config, as YAML is slow to read, and the remedy for more."""
 _SURPRISE = re.compile(r".*[:_]|[+-]?0[^.]")
-"""In a number that YAML does not take for what it looks like: 1:30:00 is 5400, and 010 is 8."""
+"""Pattern of a number that YAML reads as another: 1:30:00 as 5400, and 010 as 8."""
 
 
 class ConfigError(ValueError):
-    """Faults of a config, one line each in `args`; its text is these lines."""
+    """The faults of a config, one line each, in `args`."""
 
     def __str__(self):
         return "\n".join(self.args)
 
 
 def read_document(path: str | Path) -> dict:
-    """Read a YAML file that holds one mapping without repeated keys; raises ConfigError."""
+    """Read a YAML file that is a mapping without repeated keys; raises ConfigError."""
     try:
         with naming(path):
             return _mapping(read_named(path, *CONFIG).decode("utf-8"))
@@ -46,7 +46,7 @@ def _mapping(text):
 
 
 class _Loader(yaml.SafeLoader):
-    """Refuses equal keys, of which PyYAML keeps the last, and numbers that are not decimal."""
+    """A loader that refuses equal keys, of which PyYAML keeps the last, and surprising numbers."""
 
     def construct_mapping(self, node, deep=False):
         keys = set()

@@ -1,4 +1,4 @@
-"""Thresholds over one axis as a curve, and their limits; each with its label in a legend."""
+"""Curves of thresholds over an axis, and of their limits, with labels for a legend."""
 
 from collections.abc import Iterator
 
@@ -15,28 +15,28 @@ from ..thresholds.slow import HOLDS
 from .scales import scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
-"""Colour and marker of each line in turn; the first ones differ in grey, too."""
+"""Colours and markers of lines, in order; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
-"""Most lines in one figure, and most markers and error bars on a curve."""
+"""Most lines in a figure, and most markers and error bars on a curve."""
 LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASHES, DOT = {LONG: (8, 1.5), SHORT: (3, 1.5)}, (1, 1.5)
-"""Limits are dashes with dots between them: one on the first line, two on the second."""
+"""Lengths of dashes and dots: limits of line n have n dots after each dash."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "error of the threshold"}
 ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
 ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
 ALWAYS["label"] = "above it every $N$ snaps"
-"""The band of errors about N_first on a map, and N_always where it is another."""
+"""Looks of the band of errors around N_first on a map, and of N_always where it differs."""
 STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgewidth": 0.6}
-"""Of an N above which beams stay: an arrow's head upward, which a marker below it leaves to see."""
+"""Look of an N above which beams stay: the head of an arrow, which a marker below does not hide."""
 MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0.8}
 FIRST_ROW, NEXT_ROW = 0.975, 0.03
-"""How high the marks of missing points of the first line are, and how far below those of others."""
+"""Height of the crosses for missing points of the first line, and distance to those of the next."""
 LATE = {"linestyle": "--", "markerfacecolor": "white", "markeredgewidth": 0.6}
 LATE["label"] = "threshold, snap after the pulse"
 
 
 def some_lines(thresholds: xr.Dataset, x: str, lines: str) -> xr.Dataset:
-    """The thresholds in order of two axes, for CURVES values of `lines` at most, evenly chosen."""
+    """Sort thresholds along two axes, and keep at most CURVES values of `lines`, evenly chosen."""
     thresholds = thresholds.sortby(
         [key for key in (lines, x) if thresholds[key].dtype.kind in "fiu"]
     )
@@ -44,13 +44,13 @@ def some_lines(thresholds: xr.Dataset, x: str, lines: str) -> xr.Dataset:
 
 
 def each_line(thresholds: xr.Dataset, lines: str) -> Iterator[tuple[xr.Dataset, str, str]]:
-    """The thresholds at every value of an axis, with a colour and a marker."""
+    """Give the thresholds at each value of an axis, with a colour and a marker."""
     for i in range(thresholds.sizes[lines]):
         yield thresholds.isel({lines: i}), *LOOKS[i % len(LOOKS)]
 
 
 def line_keys(thresholds: xr.Dataset, lines: str) -> Iterator[Line2D]:
-    """Keys of a legend for every line: the limit of short pulses, or that nothing is drawn."""
+    """Make keys of a legend for all lines, with the limit of short pulses if there is one."""
     for curve, colour, marker in each_line(thresholds, lines):
         v = curve.velocity_change
         label = value_text(lines, curve[lines].item(), with_unit=lines != "C")
@@ -64,7 +64,7 @@ def line_keys(thresholds: xr.Dataset, lines: str) -> Iterator[Line2D]:
 def draw_curve(
     ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
 ) -> None:
-    """Draw N_first over x with error bars; dashed and hollow where the snap is late."""
+    """Draw N_first over x with error bars; a curve is dashed and hollow where the snap is late."""
     every = -(-x.size // MARKS)
     bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
     ax.errorbar(x, curve.N_first.values, _known_error(curve).values, color=colour, **bars)
@@ -73,7 +73,7 @@ def draw_curve(
 
 
 def draw_band(ax: Axes, x: np.ndarray, curve: xr.Dataset) -> None:
-    """Draw N_first over x in a band as wide as its error, and N_always where it is another."""
+    """Draw N_first over x in a band as wide as its error, and N_always where it differs."""
     N, error = curve.N_first.values, _known_error(curve)
     _draw_line(ax, x, curve, {"color": "black"}, label="threshold")
     ax.fill_between(x, N - error.values, N + error.values, **BAND)
@@ -84,7 +84,7 @@ def draw_band(ax: Axes, x: np.ndarray, curve: xr.Dataset) -> None:
 
 
 def _draw_line(ax, x, curve, look, every=1, label=None):
-    # Late is a snap that was not seen before the end of the pulse.
+    # A snap is late unless it was seen before the end of the pulse.
     N, in_pulse = curve.N_first.values, curve.t_snap <= 1e6 / curve.f0
     late = (curve.N_first.notnull() & ~in_pulse).values
     beside = np.convolve(late, [1, 1, 1])[1:-1] > 0
@@ -98,29 +98,26 @@ def _known_error(curve):
 
 
 def mark_missing(ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, place: int = 0) -> None:
-    """Mark at the upper edge where a line has no threshold; place: of the line, from 0."""
+    """Mark at the upper edge where a line has no threshold; place: index of the line."""
     missing = x[curve.N_first.isnull().values]
     cross(ax, missing, FIRST_ROW - NEXT_ROW * place, colour, "no threshold here")
 
 
 def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> None:
-    """Draw crosses at some x, if any, at a share of the height of the axes."""
-    if x.size:  # an empty line has no extent that a layout could take into account
+    """Draw crosses at some x, if there are any, at a share of the height of the axes."""
+    if x.size:  # a layout cannot handle an empty line
         at = {"transform": ax.get_xaxis_transform(), "color": colour, "clip_on": False}
         ax.plot(x, np.full(x.size, height), label=label, **at, **MISSING)
 
 
 def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
-    """Draw the limit of long pulses of one line over an axis; place: as for `limit_look`."""
+    """Draw the limit of long pulses of a line over an axis; place: index of the line."""
     look, static = limit_look(LONG, colour, place), curve.N_static
     slow = holding(curve.N_slow, curve)
     if x == "f0" and slow.notnull().any():
-        beyond = static.where(slow.isnull())
-        for values, label in (
-            (slow, f"{LONG}, from $N$ = {plain(static.item())} on"),
-            (beyond, None),
-        ):
-            ax.plot(scale_of(x, curve[x].values).places, values.values, label=label, **look)
+        places, label = scale_of(x, curve[x].values).places, f"$N$ = {plain(static.item())} on"
+        ax.plot(places, slow.values, label=f"{LONG}, from {label}", **look)
+        ax.plot(places, static.where(slow.isnull()).values, **look)
     elif x in static.dims:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
@@ -128,12 +125,12 @@ def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place:
 
 
 def holding(law: xr.DataArray, thresholds: xr.Dataset) -> xr.DataArray:
-    """Amplitudes that a law says, where it holds; NaN elsewhere."""
+    """Give the amplitudes of a law where it is within HOLDS of the threshold; NaN elsewhere."""
     return law.where(abs(law / thresholds.N_first - 1) <= HOLDS)
 
 
 def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> None:
-    """Draw the limit of short pulses of one line over f0 (Hz) within the limits of the axes."""
+    """Draw the limit of short pulses of a line over f0 (Hz), within the limits of the axes."""
     f0 = np.geomspace(*ax.get_xlim(), 200)
     slope = (1e-6 * curve.velocity_change / (curve.gravity * curve.area)).item()
     if np.isfinite(slope):
@@ -142,11 +139,11 @@ def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> 
 
 
 def limit_look(limit: str, colour: str, place: int) -> dict:
-    """How LONG or SHORT of the line at a place among several is drawn; with `place` dots more."""
+    """Give the look of LONG or SHORT of a line; place: index of the line."""
     dashes = (0, DASHES[limit] + DOT * (place + 1))
     return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
 
 
 def velocity_change(curve: xr.Dataset) -> xr.DataArray:
-    """Velocity change of the pulse at N_first, its area times N g / f0, m/s."""
+    """Give the velocity change of the pulse at N_first, its area times N g / f0, m/s."""
     return curve.N_first * curve.gravity * curve.area / (1e-6 * curve.f0)

@@ -32,13 +32,13 @@ def draw_map(
     own_points: Sequence[Point] = (),
     shows: str = "snaps",
 ) -> Axes:
-    """Draw cells over two axes.
+    """Draw a map of cells over two axes, with its legend.
 
-    thresholds: over x, drawn with their errors and limits if y is N
-    required_shocks: to point out by numbers: name, f0 (Hz), N, and whether the map is of its pulse
-    own_points: a user's own
-    shows: snaps, which cells snap; times, when; ends, on which side of the saddle the beam ends,
-        and how sure
+    thresholds: thresholds over x, drawn with their errors and limits if y is N
+    required_shocks: shocks that get a number: name, f0 (Hz), N, and whether the map has their pulse
+    own_points: a user's own points
+    shows: `snaps`: which cells snap; `times`: when they snap; `ends`: on which side of the saddle
+        the beam ends, and how sure that is
     """
     look = _time_look([cells]) if shows == "times" else {}
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
@@ -50,7 +50,7 @@ def draw_map(
 
 
 def _time_look(panels):
-    """How the times of the cells of all panels are coloured: a scale, its unit and its size, us."""
+    """Choose the colours of snap times in all panels: a norm, its unit, and the unit's size, us."""
     low, high = snap_times(panels)
     unit, size = ("ms", 1e3) if high >= 1e3 else ("µs", 1.0)
     norm = (LogNorm if high > states.WIDE * low else Normalize)(low / size, high / size)
@@ -58,7 +58,7 @@ def _time_look(panels):
 
 
 def _add_time_bar(figure, axes, field, look):
-    """Put the colours of times below axes, if some cell snaps."""
+    """Put a bar with the colours of times below axes; field: None if no cell snaps."""
     if field is None:
         return
     label = f"first snap after the start of the pulse ({look['unit']})"
@@ -69,15 +69,17 @@ def _add_time_bar(figure, axes, field, look):
 
 
 def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
-    """The first and the last snap in all maps of cells, us; NaN if none snaps, or there is none."""
+    """Give the times of the first and last snap in all maps of cells, us; NaN without snaps."""
     times = (part.t_snap for cells in panels for part in plane.parts(cells))
     ends = [(np.nan, np.nan), *((time.min().item(), time.max().item()) for time in times)]
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
 def _dataset(need, variable):
-    is_one = lambda value: isinstance(value, xr.Dataset) and variable in value  # noqa: E731
-    return Annotated[xr.Dataset, Argument(need, is_one)]
+    return Annotated[
+        xr.Dataset,
+        Argument(need, lambda value: isinstance(value, xr.Dataset) and variable in value),
+    ]
 
 
 Cube = _dataset("a cube, as sweep and open_cube return it", "outcome")
@@ -98,9 +100,9 @@ def plot_outcome(
 ) -> Axes:
     """Draw which cells of a cube snap, with a legend, on `ax` or on a new figure.
 
-    cube: of `sweep` or `open_cube`, with a single value along axes other than x and y
+    cube: Dataset of `sweep` or `open_cube`, with a single value on all axes but x and y
     x, y: names of axes of the cube
-    found: of `threshold`, drawn as a line if y is N
+    found: Dataset of `threshold`, drawn as a line if y is N
     ends: whether to draw where each beam ends instead
 
     >>> device = snapmap.load_device("config/config.yaml")
@@ -136,10 +138,10 @@ def draw_maps(
     own_points: Sequence[Point] = (),
     shows: str = "snaps",
 ) -> np.ndarray:
-    """Draw several maps over the same axes on an empty figure, as high as they are, and one legend.
+    """Draw several maps over the same axes, with a common legend, on an empty figure.
 
-    panels: cells, thresholds or none, and required shocks, as of `draw_map`, as are the others
-    Returns the axes, rows and columns, None where there is none.
+    panels: cells, thresholds or None, and required shocks of each map, as for `draw_map`
+    Sets the height of the figure. Returns the axes, (rows, columns), None where there is no map.
     """
     columns = 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else 4
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
@@ -169,26 +171,21 @@ def draw_maps(
                 top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
     words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
-    there = axes.flat[: len(panels)]
-    keys = _keys(cells, there, shows)
+    drawn = axes.flat[: len(panels)]
+    keys = _keys(cells, drawn, shows)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
-    if limits[1:]:  # each panel has another, which one key stands for
+    if limits[1:]:  # a single key stands for the limits of all panels
         limits[0].set_label(LONG)
         keys = [key for key in keys if key not in limits[1:]]
     style.legend(figure, keys, "\n".join(filter(None, words)))
-    _add_time_bar(figure, there, next(filter(None, fields), None), look)
+    _add_time_bar(figure, drawn, next(filter(None, fields), None), look)
     style.fit(figure, RATIO)
-    beside.set_y((there[0].get_position().y1 + there[-1].get_position().y0) / 2)
+    beside.set_y((drawn[0].get_position().y1 + drawn[-1].get_position().y0) / 2)
     return axes
 
 
-def _has_shocks(x, y):
-    """Whether a map is one of N over f0, where alone shocks have a place."""
-    return (axis_behind(x), y) == ("f0", "N")
-
-
 def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
-    """Draw a map; returns its field of times, if it has one, and the names of its shocks."""
+    """Draw a map; returns its field of times, or None, and the names of its shocks by number."""
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
     shown, classify = states.SHOWN[shows]
@@ -211,20 +208,20 @@ def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
         draw_static(ax, thresholds, x, "black")
         if x == "f0":
             draw_impulsive(ax, thresholds, "black")
-    if not _has_shocks(x, y):
+    if (axis_behind(x), y) != ("f0", "N"):  # shocks have a place only there
         return field, {}
     plane.draw_points(ax, x, own_points)
     return field, plane.number_shocks(ax, x, shocks)
 
 
 def _numbered(names, width):
-    """The numbers of shocks with their names, in lines of so many signs."""
+    """Write the numbers of shocks with their names, in lines of so many signs."""
     return style.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
 def _keys(panels, axes, shows):
-    """Of the states of all cells, and of what is labelled on the axes."""
+    """Make the keys of a legend: of the states of all cells, and of labels on the axes."""
     shown, classify = states.SHOWN[shows]
-    # What is read of a part goes with it.
+    # Parts are read in turn, as a map may be larger than memory.
     codes = (classify(part) for cells in panels for part in plane.parts(cells))
     return [*plane.state_keys(codes, shown), *style.labelled(axes)]

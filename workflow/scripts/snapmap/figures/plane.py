@@ -23,11 +23,11 @@ BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00", "label": "the beam breaks"}
 """Hatches of cells without a device, of those that end elsewhere with another step, on light and on
 dark colours, and of those whose beam breaks."""
 LUMA, DARK = (0.299, 0.587, 0.114), 0.4
-"""Shares of red, green and blue in how light a colour is, and below what a hatch is light."""
+"""Weights of red, green and blue in lightness, and the lightness below which a colour is dark."""
 RESOLVED, VECTORS = 700, 20_000
-"""Most cells drawn along an axis, finer than print; and most hatched as vectors."""
+"""Most cells that are drawn along an axis, finer than print, and most that vectors hatch."""
 PART = 1_000_000
-"""Cells that are classified together, as memory is bounded."""
+"""Most cells that are classified together, for memory."""
 
 RING = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "linewidth": 0.8}
 ARROW = {"arrowstyle": "-|>,head_length=0.3,head_width=0.15", "facecolor": "black"}
@@ -35,7 +35,7 @@ ARROW |= {"linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
 NUMBER = {"fontsize": 5, "ha": "center", "va": "center", "bbox": RING, "arrowprops": ARROW}
 NUMBER |= {"textcoords": "offset points"}
 INWARD = 12
-"""How far from an edge the number of a shock beyond it stands, pt."""
+"""Distance from an edge to the number of a shock beyond it, pt."""
 POINT = {"marker": "D", "markersize": 4, "markeredgecolor": "black", "linestyle": ""}
 TRIPPED = {True: "black", False: "white", None: "0.6"}
 POINT_WORDS = {True: "own point, tripped", False: "own point, not tripped", None: "own point"}
@@ -43,11 +43,11 @@ PAPER = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.6}
 NAME = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 5.5, "bbox": PAPER}
 NAME |= {"annotation_clip": True}
 NAMED = 12
-"""Most points whose names are written beside them."""
+"""Most points that have their names beside them."""
 
 
 def thin(cells: xr.Dataset, x: str, y: str) -> xr.Dataset:
-    """Sort cells along their axes, and of more than RESOLVED along one take every nth."""
+    """Sort cells along their axes, and keep every nth of more than RESOLVED along an axis."""
     cells = cells.sortby([key for key in (x, y) if cells[key].dtype.kind in "fiu"])
     strides = {key: -(-cells.sizes[key] // RESOLVED) for key in (x, y)}
     return cells.isel({key: slice(None, None, stride) for key, stride in strides.items()})
@@ -62,7 +62,7 @@ def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
 
 
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:
-    """Scale and name both axes for cells in ascending order; returns the scales."""
+    """Scale and name both axes for ascending cells; returns the scales of x and y."""
     scales = scale_of(x, cells[x].values), scale_of(y, cells[y].values)
     study_axis(ax, scales[0], cells.attrs)
     set_scale(ax, "y", scales[1], cells.attrs)
@@ -70,9 +70,9 @@ def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scal
 
 
 def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale, y: Scale) -> None:
-    """Fill each cell with the colour of its state; those that failed are crossed out.
+    """Fill each cell with the colour of its state, and cross out failed ones.
 
-    codes: index in `states` of each cell over x and y; below 0 nothing is filled
+    codes: index in `states` of each cell, over x and y; cells below 0 are not filled
     """
     colours = ListedColormap([state.colour for state in states])
     norm = BoundaryNorm(np.arange(len(states) + 1) - 0.5, colours.N)
@@ -80,7 +80,7 @@ def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale
     for code, state in enumerate(states):
         if state.name == "absent":
             hatch(ax, codes == code, x, y, ABSENT)
-        if state.name == "failed":  # one alone is too small to see on a fine grid
+        if state.name == "failed":  # on a fine grid a single cell is too small to see
             i, j = np.nonzero((codes == code).transpose(x.key, y.key).values)
             for stroke, width in {"white": 2.0, state.colour: 0.8}.items() if i.size else ():
                 cross = {"marker": "x", "color": stroke, "markeredgewidth": width}
@@ -88,12 +88,9 @@ def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale
 
 
 def fill_field(ax: Axes, field: xr.DataArray, x: Scale, y: Scale, **colours) -> QuadMesh:
-    """Fill each cell with the colour of its value; nothing where it is NaN.
-
-    colours: cmap and norm, as `pcolormesh` takes them
-    """
+    """Fill each cell with the colour of its value, but for NaN; colours: cmap and norm."""
     values = np.ma.masked_invalid(field.transpose(y.key, x.key).values)
-    # No vectors: a viewer shows the paper between those that merely touch.
+    # With vectors, a viewer would show the paper between cells.
     return ax.pcolormesh(x.edges, y.edges, values, rasterized=True, **colours)
 
 
@@ -109,13 +106,13 @@ def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, pattern: dict) -> 
 
 
 def is_dark(codes: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
-    """Whether the colours of cells are dark; codes: as for `fill_states`."""
-    light = [np.dot(to_rgb(state.colour), LUMA) for state in states]
-    return codes.isin([i for i, value in enumerate(light) if value < DARK])
+    """Tell which cells have a dark colour; codes: as for `fill_states`."""
+    lightness = [np.dot(to_rgb(state.colour), LUMA) for state in states]
+    return codes.isin([i for i, value in enumerate(lightness) if value < DARK])
 
 
 def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
-    """Make a key of a legend for each state that any panel has, with the number of cells."""
+    """Make a key of a legend for each state that some panel has, with the number of its cells."""
     values = (codes.values[codes.values >= 0] for codes in panels)
     counts = sum(np.bincount(codes, minlength=len(states)) for codes in values).tolist()
     for state, count in zip(states, counts, strict=True):
@@ -126,7 +123,7 @@ def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Itera
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
-    """Add a colour bar below axes that are alone on their figure, or else beside them."""
+    """Add a colour bar, below the only axes of a figure, or else beside axes."""
     place = "bottom" if style.is_alone(ax) else "right"
     return ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
 
@@ -139,10 +136,10 @@ def freeze(ax: Axes) -> None:
 def number_shocks(
     ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]
 ) -> dict[int, str]:
-    """Point out shocks by numbers in the order given, by arrows at the edge what lies beyond it.
+    """Number shocks in their order; an arrow at the edge points to a shock beyond it.
 
-    shocks: name, f0 (Hz), N, and whether it has the map's pulse; what has not is left out
-    Returns the name of each number.
+    shocks: name, f0 (Hz), N, and whether the shock has the map's pulse; others are left out
+    Returns the names by number.
     """
     freeze(ax)
     names = {}
@@ -160,10 +157,7 @@ def number_shocks(
 
 
 def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
-    """Draw a user's own points, filled where the device tripped, hollow where it did not.
-
-    Of a few the names are written beside them.
-    """
+    """Draw a user's own points, filled if the device tripped, hollow if not; few have names."""
     freeze(ax)
     for point in points:
         place, face = (_place(x, point.f0), point.N), TRIPPED[point.snapped]
@@ -173,5 +167,5 @@ def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
 
 
 def _place(x, f0):
-    """Where a shock of f0 (Hz) stands on the axis x, which is f0 or the duration (ms)."""
+    """Give the place of f0 (Hz) on the axis x, which shows f0 or the duration (ms)."""
     return f0 if x == "f0" else 1e3 / f0

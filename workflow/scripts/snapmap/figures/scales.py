@@ -1,4 +1,4 @@
-"""How the axes of a study are named, spaced and ticked in figures."""
+"""The names, scales and ticks of a study's axes in figures."""
 
 import math
 import re
@@ -17,7 +17,7 @@ from ..study.axes import COORDINATES, DURATION, axis_behind
 from . import style
 
 NONE = MappingProxyType({})
-"""No attributes."""
+"""The attributes of a dataset without any."""
 WORDS = {
     key: (quantity.words, "ms" if key == DURATION else quantity.spelt.figures)
     for key, quantity in QUANTITIES.items()
@@ -25,21 +25,21 @@ WORDS = {
 }
 """Words before a value of each axis, and the unit behind it."""
 SEVERAL = 10
-"""Most values of an axis that are all ticked; of more every nth is."""
+"""Most values of an axis that all have a tick; of more, every nth has."""
 MANY = 8
-"""Number of values from which on an axis ends at the first and last, not at the edges of cells."""
+"""Least number of values of an axis that ends at the first and last, not at the edges of cells."""
 THIN, FROM = "\u2009", 10_000
-"""The space between thousands, and the number from which on it is written."""
+"""The space between thousands, and the least number that has it."""
 SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
-"""Digits that may be ticked in a decade, densest first, and a label's least room."""
+"""Digits that have ticks in a decade, densest choice first, and the least room of a label."""
 SHORT = 0.5
-"""Decades below which a logarithmic axis is ticked as a linear one."""
+"""Decades below which a logarithmic axis has the ticks of a linear one."""
 
 
 class Scale(NamedTuple):
-    """Where the values of an axis stand in a figure.
+    """The places of an axis' values in a figure.
 
-    places: (values,), increasing; edges: of the cells about them, (values + 1,)
+    places: ascending, (values,); edges: edges of the cells around them, (values + 1,)
     is_log: whether the axis is logarithmic; is_counted: whether places count values
     """
 
@@ -52,9 +52,10 @@ class Scale(NamedTuple):
 
 
 def scale_of(key: str, values: np.ndarray) -> Scale:
-    """Choose a scale for ascending values: that along which they are more evenly spaced.
+    """Choose a scale for ascending values, linear or logarithmic, by their spacing.
 
-    The frequency's is logarithmic; names and a hard contact are counted.
+    Frequency and duration are always logarithmic; names, and values with a hard contact, are
+    counted.
     """
     if values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         places = np.arange(values.size, dtype=float)
@@ -69,9 +70,9 @@ def scale_of(key: str, values: np.ndarray) -> Scale:
 
 
 def _edges(values, half):
-    """Edges of the cells about n ascending values, halfway between neighbours; (n + 1,).
+    """Give the edges of cells around n ascending values, halfway between neighbours, (n + 1,).
 
-    half: as wide to either side is the cell of a single value
+    half: half the width of the cell of a single value
     """
     steps = np.diff(values) / 2 if values.size > 1 else np.array([half])
     return np.array(
@@ -80,7 +81,7 @@ def _edges(values, half):
 
 
 def _is_geometric(values):
-    """Whether steps between values differ less as ratios than as differences."""
+    """Tell whether steps between values differ less as ratios than as differences."""
     if values.size < 3:
         return values[-1] >= 10 * values[0]
     ratios, differences = np.diff(np.log(values)), np.diff(values)
@@ -88,10 +89,7 @@ def _is_geometric(values):
 
 
 def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
-    """Scale, name and tick one axis, "x" or "y"; a single value alone is ticked.
-
-    attributes: as for `axis_label`
-    """
+    """Scale and name an axis, "x" or "y", and choose its ticks; attributes: as for `axis_label`."""
     axis = getattr(ax, f"{which}axis")
     ends = scale.places if scale.places.size >= MANY else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
@@ -103,7 +101,7 @@ def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] 
 
 
 def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
-    """Tick an axis at values, of many at every nth."""
+    """Put ticks at the values of an axis, or at every nth of many."""
     every = max(1, -(-values.size // SEVERAL))
     axis.set_ticks(places[::every], [number(value) for value in values[::every]])
     axis.set_ticks([], minor=True)
@@ -112,9 +110,9 @@ def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
 def tick(
     axis: Axis, low: float, high: float, is_log: bool = True, beside: Axis | None = None
 ) -> None:
-    """Tick an axis between its ends at round numbers, a logarithmic one as closely as has room.
+    """Put ticks at round numbers between the ends of an axis, as close as there is room.
 
-    beside: the axis that is as long, of a secondary one, which does not know its own length yet
+    beside: axis of the same length, for a secondary axis, which does not know its own length yet
     """
     decades = math.log10(high / low) if is_log else 0.0
     if decades < SHORT:
@@ -128,10 +126,10 @@ def tick(
 
 
 def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -> str:
-    """What is written along an axis: its quantity, and the unit in brackets.
+    """Write the label of an axis: its quantity, and the unit in brackets.
 
-    attributes: of the dataset; its config says what N counts
-    unit: as a config spells it, if not the internal one
+    attributes: attributes of the dataset, whose config says what N counts
+    unit: spelling of the unit in a config; by default the internal unit
     """
     words, internal = WORDS[key]
     unit = typeset(unit) or (style.multiples(attributes) if key == "N" else internal)
@@ -140,7 +138,7 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
 
 
 def typeset(unit: str) -> str:
-    """A unit of a config as it stands in figures."""
+    """Typeset a unit of a config for figures."""
     if unit in SPELT:
         return SPELT[unit].figures
     powers = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
@@ -148,7 +146,7 @@ def typeset(unit: str) -> str:
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
-    """Make x an axis of the study; above a frequency (Hz) stands the duration of the pulse."""
+    """Make x an axis of the study; frequencies (Hz) get the pulse's duration as upper axis."""
     set_scale(ax, "x", scale, attributes)
     if scale.key != "f0":
         return
@@ -161,13 +159,13 @@ def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> 
 
 
 def _reciprocal(values):
-    """1/f0 in ms from f0 in Hz, and back; matplotlib asks for it at 0, too."""
+    """Convert f0 in Hz to a duration in ms, or back; matplotlib also asks for 0."""
     with np.errstate(divide="ignore"):
         return 1e3 / np.asarray(values)
 
 
 def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
-    """Give a dataset over f0 (Hz) the duration (ms) as its axis, if it is one of these."""
+    """Replace the axis f0 (Hz) of a dataset by the duration (ms), if that is one of the axes."""
     if DURATION not in axes:
         return data
     durations = data.assign_coords({DURATION: ("f0", 1e3 / data.f0.values)})
@@ -183,13 +181,13 @@ def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
 
 
 def place_text(data: xr.Dataset, width: int = 50) -> str:
-    """Typeset where on all other axes a dataset is, in lines of so many signs, between values."""
+    """Typeset the place of a dataset on axes of a single value, in lines of `width` signs."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
     return style.fill((value_text(key, data[key].item()) for key in alone), width)
 
 
 def number(value: float | str, digits: int = 4) -> str:
-    """A value in four digits, thousands apart; a name as it is, and a hard contact in words."""
+    """Write a value in some digits, with spaces between thousands; names stay as they are."""
     if isinstance(value, str):
         return value
     if value == math.inf:

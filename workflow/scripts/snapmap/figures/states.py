@@ -1,4 +1,4 @@
-"""What maps and the page show of each cell: whether it snaps, when, and where its beam ends."""
+"""The states of cells on maps and on the page: whether cells snap, when, and where beams end."""
 
 import json
 from typing import NamedTuple
@@ -29,9 +29,9 @@ STATES = (
     State("failed", "failed", "#000000"),
     State("absent", "no second stable shape", "#ffffff"),
 )
-"""Colours answer whether the beam is tripped at the end, their strength how that is known.
+"""States of a beam at its end. Hue tells whether it is tripped, strength how sure that is.
 
-Steps of lightness tell them apart in grey, hue and lightness to the colour-blind.
+Colours differ in lightness for grey print, and in hue and lightness for the colour-blind.
 """
 REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN = range(5)
 FAILED, ABSENT = range(5, len(STATES))
@@ -42,20 +42,21 @@ SNAPS = (
     STATES[FAILED],
     STATES[ABSENT],
 )
-"""Whether a cell snaps within its run."""
+"""States of a cell by whether it snaps within its run."""
 WAITING = State("waiting", "no snap seen", "#ececec")
-# Short of its lightest end, which in grey is as light as a cell without a snap.
+# Without the lightest colours, which in grey look like a cell without a snap.
 TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.88, 256)))
 WIDE = 30
-"""Ratio of snap times from which their colours are logarithmic."""
+"""Largest ratio of snap times with linear colours; beyond, they are logarithmic."""
 TIMES = WAITING, WAITING, *SNAPS[2:]
-"""As SNAPS, of a map of times, where a cell that snaps has the colour of its time."""
+"""States on a map of times, as SNAPS; a cell that snaps has the colour of its time instead."""
 
 
 def end_states(cells: xr.Dataset) -> xr.DataArray:
-    """The index in STATES of each cell, int8; cells: with outcome, t_snap, well and well_share.
+    """Give the index in STATES of each cell, int8.
 
-    A run that ended at its snap, as those of the model `reference`, was last seen there.
+    cells: with outcome, t_snap, well and well_share; a run that ends at its snap, as those of the
+        model `reference`, was last seen there
     """
     is_one_of = _outcomes(cells)
     proven = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
@@ -69,18 +70,18 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
 
 
 def snap_states(cells: xr.Dataset) -> xr.DataArray:
-    """The index in SNAPS of each cell, int8; cells: with outcome and t_snap."""
+    """Give the index in SNAPS of each cell, int8; cells: with outcome and t_snap."""
     return _without_runs(cells.t_snap.notnull(), _outcomes(cells), 2, 3)
 
 
 def time_states(cells: xr.Dataset) -> xr.DataArray:
-    """The index in TIMES of each cell, int8; -1 where it snaps."""
+    """Give the index in TIMES of each cell, -1 where it snaps; cells: with outcome and t_snap."""
     codes = snap_states(cells)
     return codes.where(codes != 1, -1)
 
 
 def end_elsewhere(cells: xr.Dataset) -> xr.DataArray:
-    """Whether a run of each cell with another step ended elsewhere; no where there was none."""
+    """Tell which cells ended elsewhere with another time step; none without such runs."""
     if "well_reproduced" not in cells:
         return xr.zeros_like(cells.outcome, bool)
     return ended_elsewhere(cells.well_reproduced, cells.well_share)
@@ -91,7 +92,7 @@ SHOWN = {
     "times": (TIMES, time_states),
     "ends": (STATES, end_states),
 }
-"""What maps show: the states that a cell may have, and the function that tells them."""
+"""States that cells may have on each kind of map, and the function that tells them."""
 
 
 def _outcomes(cells):
@@ -100,7 +101,7 @@ def _outcomes(cells):
 
 
 def _without_runs(codes, outcomes, failed, absent):
-    """Put what has no run of its own in place of its state."""
+    """Put the indices of `failed` and `absent` cells in place of their states."""
     for name, state in (("failed", failed), ("absent", absent)):
         if name in outcomes:
             codes = xr.where(outcomes[name], state, codes)

@@ -1,4 +1,4 @@
-"""What every figure for print shares: style sheet, sizes, legend, and how it is saved."""
+"""The style of all figures for print: sheet, sizes, legends, words, and how they are saved."""
 
 import json
 import textwrap
@@ -26,15 +26,15 @@ from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130
-"""Signs in a line over one column, and over two."""
+"""Most signs in a line over one column, and over two."""
 HARD = "\u00a0"
-"""A space at which no line ends."""
+"""A space at which no line breaks."""
 DPI = 300
-"""Of PNG, and of what is too fine for vectors in PDF."""
+"""Resolution of PNG, and of rasters in PDF."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
 PLACING = {"GDEF", "GPOS", "GSUB", "kern"}
 """Tables of a font that a PDF, which places each glyph itself, never reads."""
-# Which metadata of each format holds which attribute of a dataset; what a screen shows comes first.
+# Metadata of each format, and the attributes of a dataset behind them; PNG comes first.
 METADATA = {
     "png": {"Title": "title", "Software": "code_version", "Comment": "config"},
     "pdf": {"Title": "title", "Creator": "code_version", "Subject": "config"},
@@ -42,35 +42,35 @@ METADATA = {
 
 
 def paper() -> AbstractContextManager:
-    """Context in which a figure is made, drawn and saved, whatever the user's own settings."""
+    """Give the context in which figures are made and saved, whatever the user's own settings."""
     return matplotlib.style.context(SHEET, after_reset=True)
 
 
 def single_column(height: float) -> Figure:
-    """Make an empty figure as wide as one column of a journal, 3.4 in; height: in."""
+    """Make an empty figure as wide as a column of a journal, 3.4 in; height: in inches."""
     return Figure((3.4, height), DPI)
 
 
 def double_column(height: float) -> Figure:
-    """Make an empty figure as wide as two columns of a journal, 7.0 in; height: in."""
+    """Make an empty figure as wide as two columns of a journal, 7.0 in; height: in inches."""
     return Figure((7.0, height), DPI)
 
 
 def notebook_axes() -> Axes:
-    """Axes on a figure of their own that a notebook shows."""
-    # For notebooks alone: no rule pays for its import.
+    """Make axes on a new figure that a notebook shows."""
+    # Only notebooks pay for this import.
     import matplotlib.pyplot as plt
 
     return plt.figure(figsize=(5, 5), layout="constrained").subplots()
 
 
 def is_alone(ax: Axes) -> bool:
-    """Whether axes are the only ones of their figure or subfigure."""
+    """Tell whether axes are the only ones of their figure or subfigure."""
     return ax.get_figure().axes == [ax]
 
 
 def labelled(axes: Iterable[Axes]) -> list[Artist]:
-    """What is labelled and seen on some axes, each label once; grey where lines share a label."""
+    """Collect labelled, visible artists of axes, each label once, in grey if lines share it."""
     keys: dict[str, Artist] = {}
     for ax in axes:
         for artist, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -86,7 +86,7 @@ def labelled(axes: Iterable[Axes]) -> list[Artist]:
 
 
 def _is_seen(ax, artist):
-    """Whether some of an artist lies within its axes."""
+    """Tell whether part of an artist lies within its axes."""
     drawn = artist[0] if isinstance(artist, Container) else artist
     paths = drawn.get_paths() if isinstance(drawn, Collection) else [drawn.get_path()]
     points = np.concatenate([np.empty((0, 2)), *(path.vertices for path in paths)])
@@ -97,10 +97,7 @@ def _is_seen(ax, artist):
 def legend(
     where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
 ) -> Legend:
-    """Put a legend below a figure, or axes, in as many columns as have room.
-
-    That of axes alone on their figure is the figure's.
-    """
+    """Put a legend below a figure or axes, in at most `ncols` columns, as there is room."""
     if isinstance(where, Axes) and is_alone(where):
         where = where.get_figure()
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
@@ -116,9 +113,9 @@ def legend(
 
 
 def fit(figure: Figure, ratio: float) -> None:
-    """Lay a figure out, once, so high that its axes, all alike, are `ratio` times as high as wide.
+    """Lay a figure out, and set its height so that axes, all alike, are `ratio` as high as wide.
 
-    Colour bars lie below its axes.
+    Colour bars must lie below the axes.
     """
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")
@@ -141,9 +138,9 @@ def fit(figure: Figure, ratio: float) -> None:
 def saved(
     stem: str, attributes: Mapping[str, str], height: float, columns: int = 2
 ) -> Iterator[Figure]:
-    """Give an empty figure, as wide as so many columns of a page, which is saved at the end.
+    """Give an empty figure, as wide as one or two columns, and save it when the context ends.
 
-    stem: the path without its ending; attributes: of the dataset drawn; height: in
+    stem: path without ending; attributes: attributes of the dataset drawn; height: in inches
     """
     with paper():
         figure = double_column(height) if columns == 2 else single_column(height)
@@ -152,12 +149,12 @@ def saved(
 
 
 def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> None:
-    """Write a figure as PNG and PDF, laid out once, without dates, each whole or not at all.
+    """Write a figure as PNG and PDF, without dates, each file whole or not at all.
 
-    stem: the path without its ending
-    attributes: of the dataset drawn; title, code_version and config go into the files' metadata
+    stem: path without ending
+    attributes: of the dataset drawn; title, code_version and config go into the metadata of files
     """
-    # A notebook does without; and `Figure.savefig` would draw everything twice for each.
+    # `Figure.savefig` would draw everything twice for each format.
     from fontTools import subset
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
@@ -176,7 +173,7 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
 
 @contextmanager
 def _plain_fonts(subset):
-    """Load fonts without PLACING: to read and cut it down takes half of the time of a PDF's."""
+    """Load fonts without the tables PLACING, which would take half of the time of a PDF."""
     load_font = subset.load_font
 
     def load(*arguments, **options):
@@ -193,10 +190,7 @@ def _plain_fonts(subset):
 
 
 def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
-    """Pulse, guide, start, model and time followed, from a dataset's attributes; else empty.
-
-    width: most signs in a line; COLUMN below one column
-    """
+    """Write pulse, guide, start, model and horizon of a dataset, in lines of `width` signs."""
     if "config" not in attributes:
         return ""
     config = json.loads(attributes["config"])
@@ -207,7 +201,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     if pulse.get("direction") == "-z":
         words.append("along −z")
     words += [*guides(config), *starts(config)]
-    if "model" in config:  # slabs say nothing
+    if "model" in config:  # a cube of open slabs has none
         words.append(f"model {config['model']['name']}")
     if horizon := config.get("sweep", {}).get("horizon"):
         time, _, unit = horizon.partition(" ")
@@ -217,31 +211,31 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
 
 
 def fill(phrases: Iterable[str], width: int, mark: str = ", ") -> str:
-    """Phrases with a mark between them, in lines of so many signs; a phrase stays in its line."""
+    """Join phrases with a mark, in lines of at most `width` signs that break between phrases."""
     kept = (phrase.replace(" ", HARD) for phrase in phrases)
     return textwrap.fill(mark.join(kept), width).replace(HARD, " ")
 
 
 def literal(text: str) -> str:
-    """A user's text, drawn as it is: a dollar begins no formula."""
+    """Escape a user's text, so that a dollar begins no formula."""
     return text.replace("$", r"\$")
 
 
 def starts(config: Mapping) -> list[str]:
-    """That the runs of a config start in the second shape, in words; none if they do not."""
+    """Say whether the runs of a config start in the second shape; [] if they do not."""
     start = config.get("sweep", {}).get("start", FIRST)
     return [] if start == FIRST else ["starts in the second shape"]
 
 
 def guides(config: Mapping) -> list[str]:
-    """Whether the beams of a config are guided or free, in words; none if they differ."""
+    """Say whether the beams of a config are guided or free to tilt; [] if they differ."""
     free = {device["beam"].get("guide") == "free" for device in _devices(config)}
     words = {False: "guided beam", True: "beam free to tilt"}
     return [words[free.pop()]] if len(free) == 1 else []
 
 
 def multiples(attributes: Mapping[str, str]) -> str:
-    """What N counts, by the config among a dataset's attributes: g, or a force on the midpoint."""
+    """Say what N counts by a dataset's attributes: g, or a force on the midpoint."""
     devices = _devices(json.loads(attributes.get("config", "{}")))
     forces = {device["force"] for device in devices if "force" in device}
     if not forces:
@@ -251,7 +245,7 @@ def multiples(attributes: Mapping[str, str]) -> str:
 
 
 def _devices(config):
-    """The sections of a config's devices."""
+    """List the sections of a config's devices."""
     if "devices" in config:
         return list(config["devices"].values())
     return [config["device"]] if "device" in config else []

@@ -1,4 +1,4 @@
-"""The lowest N that snaps: over one axis or two, of several studies, as damage boundary."""
+"""Figures of thresholds: curves over an axis, and maps over two."""
 
 import numpy as np
 import xarray as xr
@@ -9,21 +9,21 @@ from matplotlib.patches import Patch
 from . import curves, plane, scales, style
 
 DOUBTFUL = 0.01
-"""Error bars above this share of the threshold are marked."""
+"""Share of the threshold above which error bars are marked."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 BOUND["label"] = "below it nothing snaps, by energy"
 STAYS = curves.STAYS | {"label": "latched at all tested $N$ above"}
 
 
 def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "C") -> Axes:
-    """Draw N_first over one axis, a line for each value of another; what snaps below N_always.
+    """Draw N_first over an axis, with a line for each value of another, and islands below N_always.
 
     surface: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
     surface = curves.some_lines(surface, x, lines)
     scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
     ax.set_xlim(scale.edges[[0, -1]])  # room for markers
-    # As with a run-up, or where long pulses have no limit: some pulse snaps below it.
+    # The limit of long pulses is no bound if a mass has a run-up, or if there is no such limit.
     if (surface.N_first.notnull() & ~(surface.N_first >= surface.N_static)).any():
         bound = np.unique(surface.N_bound.transpose(x, lines).values, axis=1)
         ax.plot(scale.places, bound, **BOUND)
@@ -37,7 +37,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
 
 
 def _draw_lines(ax, lines, x):
-    """Draw thresholds over x, each with a colour and a marker, with their gaps and limits."""
+    """Draw lines of thresholds over x, with gaps and limits; lines: data, colour and marker."""
     ax.set(yscale="log", ylabel=scales.axis_label("N", lines[0][0].attrs))
     for place, (curve, colour, marker) in enumerate(lines):
         scale = scales.scale_of(x, curve[x].values)
@@ -53,7 +53,7 @@ def _draw_lines(ax, lines, x):
 
 
 def draw_statics(ax, lines, x):
-    """Draw the limit of long pulses of every line, in grey what all have in common."""
+    """Draw the limit of long pulses of every line, or one in grey if all have the same."""
     keys = ["N_static", *["N_slow"] * (x == "f0")]
     if len({curve[keys].to_array().values.tobytes() for curve, *_ in lines}) == 1:
         curves.draw_static(ax, lines[0][0], x)
@@ -63,7 +63,7 @@ def draw_statics(ax, lines, x):
 
 
 def _draw_gap(ax, curve, scale, colour):
-    """Shade what lies between N_first and N_always of one line, and stroke the islands in it."""
+    """Shade a line between N_first and N_always, and stroke the islands in between."""
     if not curve.islands.any():
         return
     shade = {"color": colour, "alpha": 0.3, "linewidth": 0}
@@ -76,7 +76,7 @@ def _draw_gap(ax, curve, scale, colour):
 
 
 def title(surface, width):
-    """What every curve has in common, in lines of so many signs."""
+    """Write what all curves have in common, in lines of at most `width` signs."""
     v = surface.velocity_change
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] if "C" in surface.dims else []
     if v.ndim < 2 and v.notnull().any():  # as it stands in the keys
@@ -88,7 +88,7 @@ def title(surface, width):
 def draw_threshold_map(ax: Axes, surface: xr.Dataset, x: str, y: str) -> Axes:
     """Draw N_first over two axes as a field of colour with level lines.
 
-    surface: thresholds over these two axes; crossed where the error bar exceeds DOUBTFUL of N_first
+    surface: thresholds over these two axes; a cross marks an error above DOUBTFUL of N_first
     """
     surface = surface.sortby([key for key in (x, y) if surface[key].dtype.kind in "fiu"])
     across = plane.open_plane(ax, surface, x, y)

@@ -1,4 +1,4 @@
-"""A study: its axes, its devices under its shocks, and what its products say of themselves."""
+"""A study: its axes, its devices under its shocks, and the attributes of its products."""
 
 from .study import Study
 

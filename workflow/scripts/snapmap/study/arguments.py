@@ -1,8 +1,8 @@
-"""What the arguments and options that several functions share may be, as types of their signatures.
+"""Types of the arguments and options that several public functions share, for their signatures.
 
-Each type carries its `Argument`: what would be right, in words with an example, what fits, and what
-is handed on of that, so that a number of numpy's or xarray's is one of Python's from there on.
-Values of the device, N, f0 and C take their units and ranges from `quantities.csv`.
+Each type carries its `Argument`: words that say what would be right, the test whether a value fits,
+and its conversion, by which numbers of numpy or xarray become Python's. Values of the device, N, f0
+and C have units and ranges of `quantities.csv`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -62,7 +62,7 @@ def _is_requirement(value):
 
 
 def _model_of(value):
-    """Give a solver as a model; any other is as it should be."""
+    """Make a model of a user's own solver; others stay as they are."""
     if callable(value):
         return {"name": "reference", "laws": compile_laws({"solver": value})}
     return value
@@ -130,7 +130,7 @@ Requirements = Annotated[
 
 
 class RunOptions(ModelOptions, total=False):
-    """How each cell is followed."""
+    """Options on how each cell is followed."""
 
     horizon: Horizon
     energy_tolerance: EnergyTolerance
@@ -138,7 +138,7 @@ class RunOptions(ModelOptions, total=False):
 
 
 class ThresholdOptions(RunOptions, total=False):
-    """The same, from which shape, and of which shocks."""
+    """Options on how each cell is followed, from which shape, and under which shocks."""
 
     start: Start
     pulse: PulseSpec
@@ -150,6 +150,6 @@ _Axes = TypedDict("_Axes", _OF_DEVICE, total=False)
 
 
 class AxisOptions(_Axes, total=False):
-    """Values of the device as axes, and whether points without a second shape are left out."""
+    """Options: values of the device as axes; skip leaves out points without a second shape."""
 
     skip: Flag

@@ -1,8 +1,8 @@
-"""The axes of a study: their names, their order, and the devices that stand on them.
+"""The axes of a study: their names, their order, and the devices at their points.
 
-An axis is a list of points; a point of N, f0, C or a value of the device sets that one, a point of
-`device` sets all. Whatever has cells has its axes in this order: those of the device as the study
-names them, then the pulse's shape and direction, C, f0 and N, along which thresholds are sought.
+An axis is a list of values of N, f0, C or a value of the device; the axis `device` lists whole
+devices by name. The order is the same everywhere: axes of the device as the study names them, the
+pulse's shape and direction, C, f0, and N, along which thresholds are sought.
 """
 
 import math
@@ -19,22 +19,22 @@ from ..solver.cells import Rows, to_rows
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
-"""The axis of devices that have names."""
+"""Name of the axis of named devices."""
 SHAPE, DIRECTION = "shape", "direction"
-"""The axes of the pulse's shape, by name, and of the direction in which the frame is pushed."""
+"""Names of the axes of the pulse's shape, and of the direction in which the frame is pushed."""
 PULSE_AXES = (SHAPE, DIRECTION)
 NAMES = (DEVICE, *PULSE_AXES)
-"""Axes whose points have names, and no order but the one they were given in."""
+"""Axes whose points are names, which keep their order."""
 DURATION = "duration"
-"""f0 by another name, where figures are drawn over it; 1e3/f0, ms."""
+"""Name of the axis that figures may show instead of f0: 1e3/f0, ms."""
 
 TEMPERATURE = "temperature"
-"""An axis of the device that no design chooses."""
+"""Axis of the device that no design chooses."""
 Units = Mapping[str, tuple[str, float]]
-"""Units in which a config writes axes: their spelling, and how many internal ones each is."""
+"""Units of a config's axes, by name: their spelling, and their size in internal units."""
 
 MOST_DEVICES = 100_000
-"""More points on the device's axes are taken for a slip."""
+"""Most points on the axes of the device; more are taken for a slip."""
 
 COORDINATES = {
     key: quantity.attributes for key, quantity in QUANTITIES.items() if quantity.long_name
@@ -45,11 +45,10 @@ COORDINATES = {
 class Grid(NamedTuple):
     """All points of a study's axes.
 
-    axes: values by name, in order; internal units, f0 in Hz, names for those in NAMES
-    device: a batch of the devices that can be
-    device_of: index in it for each point of the device's axes, -1 where none can be; an array of
-        their shape, () if there are none
-    pulses: one for each point of the pulse's axes, in order
+    axes: values by name, in order; internal units, f0 in Hz, names on axes of NAMES
+    device: batch of the devices that can exist
+    device_of: index in the batch, in the shape of the device's axes; -1 where no device can exist
+    pulses: pulses at the points of the pulse's axes, in order
     """
 
     axes: dict[str, np.ndarray]
@@ -69,11 +68,11 @@ def make_grid(
     skip: bool = False,
     shocks: Shocks = HANDOUT_SHOCK,
 ) -> Grid:
-    """Set out the points of axes; raises ValueError, one line, naming a point that cannot be.
+    """Make the grid of axes; raises ValueError, one line, with the first point that cannot exist.
 
-    device: the nominal one, or several by name, which then are an axis in front
+    device: nominal device, or several by name, which are the first axis
     axes: values by name, those of the device first
-    skip: whether a point that has no second stable shape is left out instead
+    skip: whether points without a second stable shape are left out instead
     """
     points = {key: np.atleast_1d(np.asarray(values, float)) for key, values in axes.items()}
     by_name = device if isinstance(device, Mapping) else {}
@@ -86,7 +85,6 @@ def make_grid(
         size = f"axes of the device: {math.prod(shape):.3g} points"
         raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
-    # Each point of the device's axes by its values there, and the device that it varies.
     columns = zip(device_axes.items(), places, strict=True)
     point = {key: values[place] for (key, values), place in columns}
     devices = batch(nominal).pick(places[0] if by_name else np.zeros(places.shape[1], int))
@@ -95,7 +93,7 @@ def make_grid(
     if exists.any():
         point = {key: column[exists] for key, column in point.items()}
         device = _vary(devices.pick(exists), point)
-    else:  # the first one, unvaried, says which models there are
+    else:  # models need a device, though no cell has it
         device = devices.pick([0])
     return Grid(
         axes=device_axes | shocks.axes | {key: points[key] for key in SHOCK_AXES if key in points},
@@ -106,7 +104,7 @@ def make_grid(
 
 
 def _require_axes(points, nominal):
-    """Raise ValueError for values of axes, or nominal devices, that no grid can have."""
+    """Raise ValueError, one line, for values of axes or nominal devices that no grid can have."""
     if (points.get("N", np.zeros(1)) < 0).any():
         raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     for device in nominal:
@@ -118,7 +116,7 @@ def _require_axes(points, nominal):
 
 
 def rows_of(grid: Grid) -> Rows:
-    """Give all points but those along N, as rows; their device is -1 where there is none."""
+    """Give all points of the axes but N as rows, whose device is -1 where none exists."""
     C, f0 = grid.axes["C"], grid.axes["f0"]
     device, pulse = grid.device_of, np.arange(len(grid.pulses))
     device, pulse = np.expand_dims(device, (-3, -2, -1)), np.expand_dims(pulse, (-2, -1))
@@ -126,7 +124,7 @@ def rows_of(grid: Grid) -> Rows:
 
 
 def _vary(devices, point):
-    """Set the values of points of axes, (devices,); a ValueError names the first that cannot be."""
+    """Set the values of points, (devices,); a ValueError names the first that cannot exist."""
     values = {key: column for key, column in point.items() if key != DEVICE}
     try:
         return devices.vary(values)
@@ -141,7 +139,7 @@ def _vary(devices, point):
 
 
 def point_text(point: Mapping[str, float | str]) -> str:
-    """Write where a point is on its axes, with units, for messages."""
+    """Write the place of a point on its axes, with units, for messages."""
     return ", ".join(
         f"{key} = {value}"
         if key in NAMES
@@ -151,12 +149,12 @@ def point_text(point: Mapping[str, float | str]) -> str:
 
 
 def axis_behind(name: str) -> str:
-    """Give the axis of a study that a figure's axis shows."""
+    """Give the axis of a study behind the axis of a figure."""
     return "f0" if name == DURATION else name
 
 
 def shared_points(axes: Mapping[str, np.ndarray], others: Mapping) -> tuple[tuple, tuple]:
-    """Find the values that two sets of axes share: indices into either, an array for each axis."""
+    """Find the values that two sets of axes share; returns indices into both, for each axis."""
     pairs = [
         np.intersect1d(axes[key], others[key], assume_unique=True, return_indices=True)[1:]
         for key in axes

@@ -1,4 +1,4 @@
-"""Datasets as files."""
+"""Datasets are written to netCDF files, and read from them."""
 
 import json
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from ..files.atomic import is_whole, replacing, seal
 
 ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 DIGITS = {"quantize_mode", "significant_digits"}
-"""Encodings that say how many digits of a variable are kept, where not all are."""
+"""Encodings that limit the digits of a variable."""
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
@@ -21,7 +21,7 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         axes = dataset.drop_vars(dataset.data_vars)
         no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
         axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
-        # One by one: together, dask would write their blocks in an order of its own every time.
+        # Together, dask would write blocks in another order every time.
         for key, variable in dataset.data_vars.items():
             kept = DIGITS & variable.encoding.keys()
             encoding = ENCODING | {digits: variable.encoding[digits] for digits in kept}
@@ -36,13 +36,13 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
 def write_product(
     dataset: xr.Dataset, path: str | Path, summary: Callable[[xr.Dataset], str]
 ) -> None:
-    """Write a dataset, and print its summary in a line."""
+    """Write a dataset, and print its summary, one line."""
     write(dataset, path)
     print(f"{path}: {summary(dataset)}")
 
 
 def open_whole(path: str | Path, **options) -> xr.Dataset:
-    """Open what `write` wrote; raises ValueError, one line, if it is not as it was then.
+    """Open a file of `write`; raises ValueError, one line, if it has changed since.
 
     options: as for `xarray.open_dataset`
     """
@@ -52,9 +52,9 @@ def open_whole(path: str | Path, **options) -> xr.Dataset:
 
 
 def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
-    """Raise ValueError, one line, unless another product is of the same study as a cube.
+    """Raise ValueError, one line, unless another product belongs to the study of a cube.
 
-    path: of the other product, whose axes hold more than the cube's, or fewer
+    path: of the other product, whose axes may have more values than the cube's, or fewer
     """
     a, b = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
     sections = [(a.get(key), b.get(key)) for key in ("device", "devices", "pulse", "model")]

@@ -1,4 +1,4 @@
-"""What made a file: the code's version and the packages', the same on every host."""
+"""What made a file: the versions of code and packages, and the config; the same on every host."""
 
 import hashlib
 import json
@@ -23,7 +23,7 @@ _CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
 
 
 def _draws(path):
-    """Whether a file of the package draws, and makes no numbers."""
+    """Tell whether a file of the package draws, and makes no numbers."""
     parts = path.relative_to(_PACKAGE).parts
     room, name = parts[0], parts[-1]
     drawing = name in ("figure.py", "forms.py") or path.suffix not in (".py", ".csv")
@@ -39,17 +39,17 @@ _FILES = [
 ]
 DRAWS = [path for path in _FILES if _draws(path)]
 NUMBERS = [path for path in _FILES if not _draws(path)]
-"""The code in two parts: what draws, and what makes the numbers."""
+"""The files of the code that draw, and those that make numbers."""
 
 
 def provenance(document: Mapping) -> dict[str, str]:
-    """Attributes of every product: what was asked for, the code's version and the packages'."""
+    """Give the attributes of every product: its config, and the versions of code and packages."""
     code = code_version()
     return {
         "source": "numerical simulation",
         "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
         "keywords": KEYWORDS,
-        "config": json.dumps(document, default=str),  # laws from Python are named
+        "config": json.dumps(document, default=str),  # laws from Python by their names
         "code_version": code,
         "packages": _packages(),
         "python": platform.python_version(),
@@ -57,7 +57,7 @@ def provenance(document: Mapping) -> dict[str, str]:
 
 
 def _packages():
-    """Names and versions of the packages that are installed: not all users need all."""
+    """Give names and versions of those of PACKAGES that are installed."""
     installed = []
     for package in PACKAGES:
         with suppress(PackageNotFoundError):
@@ -66,7 +66,7 @@ def _packages():
 
 
 def device_sections(device: Device | Mapping[str, Device]) -> dict:
-    """The sections `device` or `devices` of a config, with units."""
+    """Give the section `device` or `devices` of a config, with units."""
     if isinstance(device, Mapping):
         return {"devices": {name: _section(single) for name, single in device.items()}}
     return {"device": _section(device)}
@@ -88,7 +88,7 @@ def _section(device):
         section = {"mass": "none"} | {key: section[key] for key in section if key not in ALONE}
     if device.force:
         del section["gravity"]
-    # Stops that are an axis alone bounce as the device says.
+    # Stops that are only an axis still bounce by the restitution of the device.
     if not device.has_stops and device.restitution == RESTITUTION:
         del section["stops"]
     if len(section["thermal"]) == 1 and device.reference_temperature == REFERENCE:
@@ -100,14 +100,14 @@ def _section(device):
 
 @cache
 def code_version() -> str:
-    """Such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; without git only the sources' hash."""
+    """Give the version, such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; git adds the commit."""
     commit = _commit()
     number = f"{__version__}+{commit}" if commit else __version__
     return f"{number} sources {code_hash(*NUMBERS, *DRAWS)}"
 
 
 def code_hash(*paths: Path) -> str:
-    """First 12 hex digits of the SHA-256 over files of code and its data, and all below folders."""
+    """Give 12 hex digits of the SHA-256 of code and data: files, and all files below folders."""
     files = {file for path in paths for file in (path, *path.rglob("*")) if file.suffix in _CODE}
     digest = hashlib.sha256()
     for file in sorted(files):
@@ -116,7 +116,7 @@ def code_hash(*paths: Path) -> str:
 
 
 def _commit():
-    # Named, not looked for: git would refuse another user's clone, and take a folder around it.
+    # With the folders named, git accepts another user's clone, and takes no folder around it.
     clone = _PACKAGE.parents[2]
     command = ["git", f"--git-dir={clone}/.git", f"--work-tree={clone}"]
     command += ["describe", "--always", "--dirty=.dirty", "--abbrev=7"]

@@ -1,4 +1,4 @@
-"""A study: devices under shocks, a model of them, and how each cell is followed."""
+"""A study: devices under shocks, a model, and how each cell is followed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -10,24 +10,24 @@ from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
 PUSH = ("pulse", "direction")
-"""What `make_shocks` takes."""
+"""Arguments of `make_shocks`."""
 ANY = "any"
-"""Of a required shock that may or may not snap the device."""
+"""Value of `snaps` of a required shock that may or may not snap the device."""
 SNAPS = {False: 0, True: 1, ANY: 2}
-"""What a required shock must do, as datasets have it."""
+"""Codes of `snaps` in datasets."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
-"""Those on which a threshold depends."""
+"""Settings on which a threshold depends."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Study:
-    """What every verb takes: from a config or, by `study_of`, from Python.
+    """What every public function works on; a config makes it, or `study_of` from arguments.
 
-    device: the nominal one, or several by name, which then are an axis
+    device: nominal device, or several by name, which are an axis
     shocks: shapes and directions of the pulse; several are axes
     model: name and options, as in the config
     settings: how each cell is followed
-    skip: whether a device without a second stable shape is left out, not refused
+    skip: whether devices without a second stable shape are left out, and not refused
     """
 
     device: Device | Mapping[str, Device]
@@ -37,35 +37,35 @@ class Study:
     skip: bool = False
 
     def __post_init__(self):
-        """Raise ValueError for shocks that are no force."""
+        """Raise ValueError if a shock shakes the frame where the device is pushed by a force."""
         for pulse in self.shocks.shapes.values():
             if pulse.is_of_frame:
                 self.require_frame(f"the shock {pulse.name!r}")
 
     def devices(self) -> dict[str, Device]:
-        """Its devices by name; one alone is called `device`."""
+        """Give the devices by name; a single one is called `device`."""
         return self.device if isinstance(self.device, Mapping) else {"device": self.device}
 
     def require_frame(self, what: str) -> None:
-        """Raise ValueError if pulses are forces on the midpoint, where `what` shakes the frame."""
+        """Raise ValueError if pulses are forces on the midpoint, but `what` shakes the frame."""
         if any(device.force for device in self.devices().values()):
             raise ValueError(f"device.force: {what} shakes the frame; write gravity instead")
 
     def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
-        """The points of axes; ValueError, one line, for one that cannot be."""
+        """Make the grid of axes; ValueError, one line, for a point that cannot exist."""
         return make_grid(self.device, axes, self.skip, self.shocks)
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Study":
-        """The same of the given names on its axes of devices, shapes and directions."""
+        """Keep some names on the axes of devices, shapes and directions."""
         device = self.device
         if DEVICE in names:
             device = {name: device[name] for name in names[DEVICE]}
         return replace(self, device=device, shocks=self.shocks.part(names))
 
     def document(self, keys: Sequence[str] = ()) -> dict:
-        """The sections of a config but for its axes, of which products are made: one spelling.
+        """Give the sections of a config, but for the axes, in a unique spelling.
 
-        keys: of the settings on which they depend; all of them by default
+        keys: names of the settings to include; all by default
         """
         settings = self.settings.without_threads()
         settings |= {"horizon": f"{settings['horizon']:.15g} us"}
@@ -77,13 +77,12 @@ class Study:
 def study_of(
     device: Device | Mapping[str, Device], model: str | Mapping, options: Mapping, **shock
 ) -> tuple[Study, dict[str, Sequence]]:
-    """Make a study of a verb's arguments, and its axes by name; raises ValueError, one line.
+    """Make a study, and its axes by name, of a function's arguments; raises ValueError, one line.
 
-    model: name, or the config's model section as a mapping
-    options: those of `Settings`; pulse and direction, as `make_shocks` takes them; skip; values of
+    model: name, or a mapping as in the config
+    options: fields of `Settings`; pulse and direction, as `make_shocks` takes them; skip; values of
         the device, which are axes; and options of the model
-    shock: C, f0 and N, axes behind those of the device; one that is None is none, but for f0, which
-        then is a recorded shock's own
+    shock: values of C, f0 and N; f0 = None means that of a recorded shock, others are left out
     """
     options = dict(options)
 
@@ -100,15 +99,16 @@ def study_of(
 
 
 def of_requirement(study: Study, required: Mapping) -> Study:
-    """The study of a requirement's shock and start, which is the first shape unless it says so."""
+    """Give the study of a requirement's own shock and start, by default the first shape."""
     settings = study.settings._replace(start=required.get("start", FIRST))
     return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
 
 
 def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
-    """A requirement with `shocks`: of its `pulse` and `direction`, by default the study's.
+    """Add `shocks` to a requirement, by its pulse and direction, or else those of the study.
 
-    Raises ValueError, one line, if it has no pulse and that of the study lasts a time of its own.
+    Raises ValueError, one line, if the requirement needs the pulse of a study whose pulse sets its
+    own duration.
     """
     if "shocks" in requirement:
         return dict(requirement)

@@ -1,4 +1,4 @@
-"""What the files of results say of themselves and, by variables.csv, of each variable."""
+"""Attributes of products and, by the tables variables.csv, of their variables."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -12,13 +12,14 @@ from .provenance import provenance
 
 _HERE = Path(__file__)
 TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]
-"""Of the core, and of each application in its folder."""
+"""Tables of the core, and of each application in its folder."""
 
 
 def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) -> xr.Dataset:
-    """Give a dataset the CF attributes of a product and of its variables, and where it is from.
+    """Give a dataset the CF attributes of a product and its variables, and its provenance.
 
-    document: the config; attributes: others of the product. What a variable says already stays.
+    document: config; attributes: further ones of the product
+    Attributes that a variable has already are kept.
     """
     about = variables(product)
     head = about.pop("")
@@ -34,7 +35,7 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
 
 
 def variables(product: str) -> dict[str, dict]:
-    """CF attributes of each variable of a product, by name; title and summary of itself as ""."""
+    """Read the CF attributes of a product's variables, by name; title and summary are under ""."""
     rows = []
     for path in TABLES:
         with open(path, encoding="utf-8") as file:
@@ -43,7 +44,7 @@ def variables(product: str) -> dict[str, dict]:
 
 
 def flags(words: Sequence[str]) -> dict:
-    """CF attributes of a variable that counts words, from 0."""
+    """Make the CF attributes of a variable that is an index into words."""
     return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
 
 

@@ -1,4 +1,4 @@
-"""Slabs joined into one cube: every file checked, every cell accounted for, block by block."""
+"""Slabs are checked and joined to a cube, block by block; every cell is accounted for."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,21 +15,21 @@ from .cube import as_cube, outcome_names, require_cube, with_summary
 from .slabs import open_slab
 
 BLOCK_CELLS = 10**6
-"""Cells held in memory at a time, and compressed together in the cube."""
+"""Most cells that are held in memory at a time, and compressed together."""
 SLAB_CACHE = 2**20
-"""Bytes that an open slab keeps of each variable that was read."""
+"""Bytes of each variable that netCDF keeps in memory of an open slab."""
 
 
 def collect_slabs(
     paths: Sequence[str | Path], axes: Mapping[str, Sequence], document: Mapping
 ) -> xr.Dataset:
-    """Join slabs lazily into one cube, which is read in blocks of at most BLOCK_CELLS.
+    """Join slabs lazily to one cube, in blocks of at most BLOCK_CELLS.
 
-    paths: files named by the slab they hold
-    axes: values on every axis of the whole grid, in order, ascending
-    document: what was asked for, kept in the attributes
-    Raises ValueError, a line for each fault: files that are missing, broken or another slab's, and
-    values of an axis that are in no slab, or cells that are in several.
+    paths: of the slabs, whose names are the slabs' own
+    axes: values of each axis of the whole grid, in order, ascending
+    document: config, which the attributes of the cube repeat
+    Raises ValueError, a line for each fault: a file is missing, broken or another slab; a value of
+    an axis is in no slab; or cells are in several.
     """
     slabs = open_slabs(paths)
     axes = {key: np.asarray(values) for key, values in axes.items()}
@@ -46,7 +46,7 @@ def collect_slabs(
     for key, values in reversed(axes.items()):
         sizes[key] = max(1, min(values.size, room))
         room //= sizes[key]
-    # Names keep the order that they were given in.
+    # Axes of names keep their order.
     slabs = slabs.sel({key: axes[key] for key in axes if key in NAMES})
     if slabs.chunks:
         slabs = slabs.chunk(sizes)
@@ -57,7 +57,7 @@ def collect_slabs(
 def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
     """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault.
 
-    Of one small slab there is no block: the start of dask takes longer than the rest.
+    A single small slab is opened without dask, whose start takes longer than the rest.
     """
     faults, cells = [], 0
     for path in paths:
@@ -87,7 +87,7 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
 def open_cube(path: ExistingPath) -> xr.Dataset:
     """Open a cube, with outcomes as words in `outcome` and as numbers in `outcome_code`.
 
-    path: a file, or a folder of slabs, which dask reads lazily, one block per slab
+    path: a file, or a folder of slabs, which dask reads lazily, a block for each slab
 
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):

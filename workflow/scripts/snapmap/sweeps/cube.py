@@ -1,4 +1,4 @@
-"""The cube as an xarray dataset: what it looks like, built here."""
+"""The cube: an xarray dataset with the outcome of each cell."""
 
 import json
 import math
@@ -20,16 +20,16 @@ from ..study.variables import dress, flags, variables
 from .grid import follow_rows
 
 LABEL_DISTANCE = 0.01
-"""Relative, from a well-posed threshold: so far a label of three cosines, the handout's elements
-or finer may be wrong, in the steps that labels take: docs/accuracy.md."""
+"""Relative distance from a well-posed threshold within which labels may be wrong, with three
+cosines or more, or the handout's elements or finer: docs/accuracy.md."""
 OVER_TOLERANCE = 2.0
-"""The same of `auto`, over its tolerance, if that is not below the default."""
+"""The same distance with `auto`, over its tolerance, or over the default one if that is larger."""
 ELSEWHERE, NEAR_CHANGE = "cells_ended_elsewhere", "labels_near_change"
 
 SHOWN_CELLS = 40_000
-"""A larger cube is thinned for the page, and for the largest stress."""
+"""Most cells on the page, and for the largest stress; a larger cube is thinned."""
 MOST_CELLS = 10**8
-"""Of one call; those of a config go to files, slab by slab."""
+"""Most cells of one call of `sweep`; those of a config go to files, slab by slab."""
 
 
 class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOptions, total=False):
@@ -40,14 +40,13 @@ class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOption
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:
-    """Keep every nth value of the longest axes, so that no more than SHOWN_CELLS cells are left."""
+    """Keep every nth value of the longest axes, so that at most SHOWN_CELLS cells are left."""
     strides = dict.fromkeys(reversed(cube.outcome.dims), 1)
 
     def left(key):
         return -(-cube.sizes[key] // strides[key])
 
     while math.prod(map(left, strides)) > SHOWN_CELLS:
-        # Where C is short, as it is, only f0 and N are thinned.
         strides[max(strides, key=left)] += 1
     return cube.isel({key: slice(None, None, stride) for key, stride in strides.items()})
 
@@ -95,10 +94,7 @@ def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) 
 
 
 def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
-    """Return the codes of the outcomes of a cube; ValueError, one line, for what is none any more.
-
-    name: by which the line names it
-    """
+    """Give the codes of a cube's outcomes; ValueError, one line with `name`, if it is no cube."""
     codes = cube.get("outcome_code", cube.get("outcome"))
     if codes is None or codes.dtype.kind not in "iuf":
         raise ValueError(f"{name}: is not a cube, as it has no codes of outcomes")
@@ -117,7 +113,7 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
 
 
 def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
-    """Put a name for each code of an outcome; ValueError, one line, for a code of none."""
+    """Give the name of each outcome by its code; ValueError, one line with `name`, for others."""
     if wrong := sorted({*np.unique(codes).tolist()} - {*range(len(OUTCOMES))}):
         last = len(OUTCOMES) - 1
         raise ValueError(f"{name}: {wrong[0]} is not a code of an outcome; codes are 0 to {last}")
@@ -125,10 +121,7 @@ def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
 
 
 def label_distance(model: Mapping) -> float | None:
-    """Tell how far from a well-posed threshold a label of a model can be wrong, relative.
-
-    None is known of laws of a user's own.
-    """
+    """Give the relative distance from a threshold within which labels may be wrong, or None."""
     if "laws" in model:
         return None
     if model.get("name") != "auto":
@@ -137,10 +130,10 @@ def label_distance(model: Mapping) -> float | None:
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
-    """Add numbers of cells as attributes, and the shares of `outcome.shares`.
+    """Add attributes: the numbers of cells, and the shares of `outcome.shares`.
 
-    Cells are counted of each outcome, where another step ended elsewhere, and with labels near a
-    change.
+    Counted are the cells of each outcome, those that end elsewhere with another time step, and
+    those whose labels may be wrong.
     """
     numbers = sum((Counter(count(block)) for block in _blocks(cube.outcome)), Counter())
     counts = {name: numbers[name] for name in OUTCOMES if numbers[name]}
@@ -156,9 +149,9 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
 
 
 def _near_change(cube):
-    """Make a function of a block of t_snap: how many cells to expect within the label distance.
+    """Make a function of a block of t_snap: the expected number of cells within label_distance.
 
-    The change of label is taken to lie anywhere between two N.
+    A change of label may lie anywhere between two N.
     """
     order, distance = np.argsort(cube.N.values), cube.t_snap.attrs["label_distance"]
     N = cube.N.values[order]
@@ -172,16 +165,16 @@ def _near_change(cube):
 
 
 def _blocks(variable):
-    """Take the values of a variable by blocks, as a lazy cube may be larger than memory."""
+    """Give the values of a variable by blocks, as a lazy cube may be larger than memory."""
     if variable.chunks is None:
         return [variable.values]
     return (block.compute(scheduler="synchronous") for block in variable.data.blocks.ravel())
 
 
 def summary(cube: xr.Dataset) -> str:
-    """Write in one line what `with_summary` added: how many cells, how sure, of which outcomes."""
+    """Sum up a cube in one line, by the attributes that `with_summary` added."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
-    # Never more than it is: all but one of a thousand are 99.9 %.
+    # The share is rounded down: all but one of ten thousand are 99.9 %.
     facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
     if ELSEWHERE in cube.attrs:
         facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")

@@ -1,4 +1,4 @@
-"""Rows of cells along N: followed, and labelled."""
+"""The variables of a cube: rows of cells along N are followed and labelled."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,19 +11,19 @@ from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error,
 from ..solver.settings import FIRST, Settings
 
 Observers = Sequence[Callable]
-"""Each gives more variables of cells: floats by name, for model, cells, observations, settings."""
+"""Functions of model, cells, observations and settings that give further variables by name."""
 ABSENCE = {
     "outcome": ABSENT,
     **dict.fromkeys(("well", "halvings", "level", "blow"), 0),
     **dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1),
 }
-"""What stands where there is no device; NaN for all others."""
+"""Values of variables where there is no device; NaN for all others."""
 
 
 def follow_rows(
     model: Follows, rows: Rows, N: Sequence[float], settings: Settings, observers: Observers = ()
 ) -> dict[str, np.ndarray]:
-    """Follow rows of cells, each through all N; returns each variable of a cube, (rows, N)."""
+    """Follow rows of cells through all N; returns the variables of a cube by name, (rows, N)."""
     exists, N = rows.device >= 0, np.asarray(N)
     order = np.argsort(N, kind="stable")
     cells = rows.take(exists).cells(model.device, N[order], settings.horizon)
@@ -45,7 +45,7 @@ def follow_rows(
 
 
 def _variables(runs, settings):
-    """Name what a run of cells says of them."""
+    """Give the variables of cells, by name, that one run of each determines."""
     names = "t_snap", "t_settled", "energy_error", "pulse_work", "halvings", "level", "agreed"
     variables = {"outcome": label(*runs[:4], settings.energy_tolerance)}
     variables |= {name: getattr(runs, name) for name in names}
@@ -59,12 +59,12 @@ def _variables(runs, settings):
 
 
 def _repeated(first, again):
-    """Compare a run with another: variables that say what both have in common."""
+    """Compare two runs of cells; returns variables that tell where they agree."""
     same = again["outcome"] == first["outcome"]
     variables = {"reproduced": same.astype(np.int8)}
     if "well" in first:
         snapped = [np.isfinite(run["t_snap"]) for run in (first, again)]
-        # Of a run that tells no side the snap is the end.
+        # Where a run tells no well, its label is compared.
         same = (again["well"] == first["well"]) & ((first["well"] != 0) | np.equal(*snapped))
         variables["well_reproduced"] = same.astype(np.int8)
     return variables

@@ -1,4 +1,4 @@
-"""A slab of the grid, the work of one job: named by what it holds, followed, written, read."""
+"""A slab of the grid, the work of one job: its name, its file, and how it is followed."""
 
 import hashlib
 import json
@@ -20,8 +20,8 @@ from ..study.study import Study
 from .grid import Observers, follow_rows
 
 SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
-"""Axes of which a slab has one value, but for all C of a study that is over at once: what else it
-holds may be sought in slabs of the same."""
+"""Axes of which a slab has a single value, but that a short study has all C in one slab. Cells are
+sought in other slabs with the same value."""
 REMEDY = "remove it, and the next run makes it again"
 Slab = Mapping[str, tuple]
 """Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
@@ -33,19 +33,19 @@ def cells_in(slab: Slab) -> int:
 
 
 def slab_name(study: Study, slab: Slab) -> str:
-    """Name a slab by two hashes: what slabs that share cells have in common, and its other axes."""
-    apart = {key: slab[key] for key in SINGLE if key in slab}
+    """Name a slab by two hashes: of what slabs with shared cells agree in, and of other axes."""
+    single = {key: slab[key] for key in SINGLE if key in slab}
     part, settings = study.part(slab), study.settings.without_threads()
     nominal = [asdict(device) for device in part.devices().values()]
     pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
-    common = [nominal, study.model, settings, pulses, list(slab), apart]
+    common = [nominal, study.model, settings, pulses, list(slab), single]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
     texts = plain, f"[{others}]"
     return "_".join(hashlib.sha256(text.encode()).hexdigest()[:12] for text in texts)
 
 
-@lru_cache  # N is that of many slabs
+@lru_cache  # many slabs share their N
 def _text(values):
     return json.dumps(values)
 
@@ -53,10 +53,10 @@ def _text(values):
 def write_slab(
     study: Study, slab: Slab, path: str | Path, code: str = "", observers: Observers = ()
 ) -> dict[str, int]:
-    """Follow the cells of one slab and write it to `path`; returns how many had which outcome.
+    """Follow the cells of a slab and write it to `path`; returns the number of each outcome.
 
-    Cells that other slabs in the same folder hold are taken from there.
-    code: hash of the code on which the numbers depend; slabs made by another are not used
+    Cells that other slabs in the same folder hold are copied from there.
+    code: hash of the code on which numbers depend; only slabs of the same code are used
     """
     variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
@@ -77,7 +77,7 @@ def write_slab(
 
 @contextmanager
 def open_slab(path: str | Path) -> Iterator[netCDF4.Dataset]:
-    """Open a slab; raises ValueError, one line, for a file that is not the slab it is named by."""
+    """Open a slab; raises ValueError, one line, for a file that is not the slab of its name."""
     if not Path(path).exists():
         raise ValueError(f"{path}: missing; run again to make it")
     if not is_whole(path):
@@ -93,12 +93,11 @@ def open_slab(path: str | Path) -> Iterator[netCDF4.Dataset]:
 def recall(
     path: str | Path, slab: Slab, code: str, same_N: bool
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Read from other slabs beside the file `path` what they hold of the cells of a slab.
+    """Read cells of a slab from other slabs in the folder of `path`.
 
-    slab: its values on each axis, ascending
-    code: hash of the code; slabs made by another are left alone
-    same_N: whether a cell depends on its neighbours along N, so that only slabs with the same N do
-    Returns each variable, in the shape of the slab, and which of its cells are known.
+    slab: values on each axis, ascending; code: hash of the code that made the other slabs
+    same_N: whether only slabs with the same N count, as a cell depends on its neighbours along N
+    Returns the variables by name, in the shape of the slab, and which of its cells are known.
     """
     path, axes = Path(path), {key: np.asarray(values) for key, values in slab.items()}
     known, variables = np.zeros([values.size for values in axes.values()], bool), {}
@@ -118,9 +117,9 @@ def recall(
 
 
 def _shared(path, axes, code, same_N):
-    """Where cells that a slab in a file shares stand, here and there; nothing if it has none.
+    """Find the places of shared cells, in a slab with these axes and in a file; () for none.
 
-    By its axes alone: to hash them, each slab of a large study would read all others.
+    The name of the file says nothing: each slab of a large study would have to hash all others.
     """
     with netCDF4.Dataset(path) as file:
         in_file = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
@@ -131,7 +130,7 @@ def _shared(path, axes, code, same_N):
 
 
 def _follow_unknown(grid, study, observers, variables, known):
-    """Follow what is not known, rows with the same gaps at once, and set it in the variables."""
+    """Follow unknown cells, rows with the same gaps at once, and put them into the variables."""
     if known.all():
         return
     built = choose_model(grid.device, study.model, study.settings.start)

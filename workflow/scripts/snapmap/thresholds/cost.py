@@ -1,4 +1,4 @@
-"""How long thresholds will take."""
+"""Estimates of how long the search for thresholds takes."""
 
 import numpy as np
 
@@ -9,23 +9,23 @@ from ..solver.models import Follows
 from ..solver.settings import Settings
 
 SCANNED, DECIDED = 400, 300
-"""Runs of the scanning and the deciding level that a row takes, about; those of finer levels count
-as the latter. A ragged row takes ten times as long."""
+"""Typical number of runs of the scanning model for a row, and of the deciding and finer models. A
+ragged row takes ten times as long."""
 OF_BLOWS = 10
-"""Times as many of a row under a drop or a train of blows: seen 6 to 13, as its labels change back
-and forth."""
+"""Factor on the runs of a row under a drop or a train of blows, whose labels change back and forth:
+6 to 13 were measured."""
 ROUNDS, WIDTH = 26, 32
-"""Refinement asks so often in turn, and fewer cells at a time take as long as WIDTH."""
+"""Number of rounds of a refinement, and number of cells below which a round takes no less time."""
 
 
 def run_seconds(model: Follows, rows: Rows, settings: Settings) -> np.ndarray:
-    """Estimate the core time of one run of each row in the steps of a threshold, s, (rows,)."""
+    """Estimate the core time of a run of each row in the time steps of thresholds, s, (rows,)."""
     cells = rows.cells(model.device, 0.0, settings.horizon)
     return steps_and_seconds(model, cells, settings._replace(until="edge"))[1][:, 0]
 
 
 def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
-    """Estimate the core time in which all thresholds of rows are found, s."""
+    """Estimate the core time of the search for the thresholds of all rows, s."""
     scanned = run_seconds(models.scans, rows, settings)
     decided = run_seconds(models.decides, rows, settings)
     times = np.array([OF_BLOWS if pulse.blows.size else 1 for pulse in rows.pulses])[rows.pulse]
@@ -33,7 +33,7 @@ def survey_seconds(models: Survey, rows: Rows, settings: Settings) -> float:
 
 
 def tell_cost(models: Survey, rows: Rows, settings: Settings):
-    """Warn of a long search before it begins, in one line; a ValueError refuses an endless one."""
+    """Warn of a long search, in one line; an endless one is refused with a ValueError."""
     if not rows.f0.size:
         return
     decided = run_seconds(models.decides, rows, settings)

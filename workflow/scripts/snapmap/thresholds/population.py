@@ -1,7 +1,7 @@
-"""Devices that differ in some values: the table of them, and where they trip.
+"""Thresholds of devices that differ in some values.
 
-`Batch.thresholds` is for devices that are alike, under the same shocks; `thresholds_at` for any,
-each under a shock of its own, with error bars.
+`Batch` holds similar devices under the same shocks. `thresholds_at` takes any devices, each under
+its own shock, and gives error bars.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,15 +29,16 @@ from .survey import distance
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
 LADDER = ("base", 4.0), ("check", 4.0), ("base", 2.0), ("check", 2.0), ("check", 1.0), ("top", 1.0)
-"""Levels of `auto`, and their steps over those of a threshold, by what a run costs."""
+"""Levels of `auto` with the factors on their time steps, from the cheapest run to the dearest."""
 FOLLOWED, FEWEST = 256, 32
-"""So many cells are followed for their stress, or those of at least so many samples."""
+"""Most cells that are followed for their stress, and the fewest samples, whatever their cells."""
 
 
 class Choice(NamedTuple):
-    """What decides the thresholds of some rows, a mask of them, (rows,).
+    """The model that decides the thresholds of some rows.
 
-    name: of a level of `Adaptive`, or none of the only model; step: times its own
+    rows: mask of the rows, (rows,); step: factor on the model's time step
+    name: of a level of `Adaptive`; empty if there is a single model
     """
 
     rows: np.ndarray
@@ -45,17 +46,17 @@ class Choice(NamedTuple):
     step: float = 1.0
 
     def of(self, models: Follows | Adaptive) -> Follows:
-        """The level in these steps, of what `choose_model` builds."""
+        """Give the chosen model; models: as `choose_model` builds them."""
         level = getattr(models, self.name) if self.name else models
         return level.with_step(self.step)
 
 
 class Batch:
-    """Samples of one device, each with its own values, and shocks that differ with them.
+    """Samples of a device, each with its own values and its own shocks.
 
-    values: by name, (samples,); those of SHOCK_FACTORS as shares of the shocks'
-    bistable: which have a second shape; size: how many
-    Rows are those of the nominal device; each sample's have its own duration and C.
+    values: by name, (samples,); those of SHOCK_FACTORS are factors on the shocks' values
+    bistable: whether a sample has a second shape, (samples,); size: number of those that have
+    Methods take the rows of the nominal device; each sample has its own duration and C in them.
     """
 
     def __init__(
@@ -66,7 +67,7 @@ class Batch:
         choices: Sequence[Choice],
         start: str,
     ):
-        """Take the values; choices: as from `choose_levels`, of the same model and start."""
+        """Take the values; choices: as `choose_levels` makes them, for the same model and start."""
         self.values, count = values, len(next(iter(values.values())))
         self._made = {key: column for key, column in values.items() if key in VALUES}
         self.bistable = is_bistable(device, self._made, count)
@@ -80,23 +81,23 @@ class Batch:
 
     @cached_property
     def models(self) -> Follows | Adaptive:
-        """Those of the samples that have a second shape."""
+        """Build the model, or the levels, of all samples that have a second shape."""
         made = {key: column[self.bistable] for key, column in self._made.items()}
         devices = self.nominal.device.pick(np.zeros(self.size, int))
         return choose_model(devices.vary(made), *self._model)
 
     @property
     def model(self) -> Follows:
-        """The last choice, in the model's own steps."""
+        """Give the model of the last choice, with its own time step."""
         return self.choices[-1]._replace(step=1.0).of(self.models)
 
     def thresholds(
         self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Find the lowest N that snaps, (samples, rows), the nominal device's, and what is ragged.
+        """Find thresholds of the samples, (samples, rows), and of the nominal device, (rows,).
 
-        chosen: whether by the choices for these rows; if not, by the last, in its own steps
-        NaN where a sample has none; the latter two: (rows,).
+        chosen: whether each row has its choice; else the last one decides, with its own time step
+        Thresholds are multiples of g, NaN where nothing snaps. Also returns which rows are ragged.
         """
         every = np.ones(rows.f0.size, bool)
         N_first, nominal = np.full((self.bistable.size, every.size), np.nan), np.empty(every.size)
@@ -115,7 +116,7 @@ class Batch:
         return N_first, nominal, ragged
 
     def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
-        """Tell whether each sample meets a requirement, by its N and snaps; (samples, rows)."""
+        """Tell whether each sample meets a requirement in each row, (samples, rows)."""
         if required["snaps"] == ANY:
             return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
@@ -126,7 +127,7 @@ class Batch:
         return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
-        """Count the first samples that are proven to stay in the second shape, (rows, N)."""
+        """Count how many of the first samples are proven to latch, (rows, N)."""
         count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
             part = every.take(slice(i * len(count), (i + 1) * len(count)))
@@ -139,7 +140,7 @@ class Batch:
     def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
         """Find the largest stress, MPa, in the first bistable samples, (requirements, samples, C).
 
-        requirements: shocks, N and f0 (Hz) of each
+        requirements: each has shocks, N and f0 (Hz)
         """
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
         device, stress = self.model.device.pick(np.arange(size)), []
@@ -154,7 +155,7 @@ class Batch:
         return np.array(stress)
 
     def _rows(self, rows):
-        """Repeat rows for all samples, raveled from (samples, rows)."""
+        """Repeat rows for all bistable samples, raveled from (samples, rows)."""
         duration, damping = (self.factors[key][:, np.newaxis] for key in ("duration", "C"))
         return rows._replace(
             device=np.repeat(np.arange(self.size), rows.f0.size),
@@ -165,11 +166,11 @@ class Batch:
 
 
 def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
-    """Choose what decides the thresholds of rows of a model, given by its name and options.
+    """Choose the models that decide the thresholds of rows; model: name and options.
 
-    Of `auto` each row takes the first of LADDER whose threshold of the nominal device is within its
-    tolerance that of the finest. The one by which MOST_ROWS have theirs is the last, and takes the
-    others, too, and those in which twice the steps move that of the finest.
+    With `auto`, each row takes the first of LADDER that agrees, within the tolerance of `auto`,
+    with the finest model on the threshold of the nominal device. The ladder ends when MOST_ROWS
+    have a model; its last one takes all other rows, too.
     """
     left = np.ones(rows.f0.size, bool)
     if model["name"] != "auto":
@@ -178,13 +179,13 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
     accepted = model.get("tolerance", TOLERANCE)
     rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
     finest, same = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
-    apart = distance(finest, rough, accepted)
-    apart[np.isinf(apart)] = np.nan
-    exact = refine(finest, rough - apart, rough + apart, accepted / 10)[1]
+    reach = distance(finest, rough, accepted)
+    reach[np.isinf(reach)] = np.nan
+    exact = refine(finest, rough - reach, rough + reach, accepted / 10)[1]
     clean = distance(same, exact, accepted) <= accepted * exact
 
     def within(share, level, which):
-        """Tell whether a row of a level changes so near."""
+        """Tell whether rows of a level change their label within a share of the exact threshold."""
         N = np.multiply.outer(exact[which], [1 - share, 1 + share])
         below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
         return ~below & above
@@ -193,7 +194,7 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
     # ASSUME: what suffices for the nominal device suffices for those that scatter about it.
     for name, step in LADDER:
         level, good = getattr(auto, name), left & clean
-        # Errors of a level and of its steps may cancel by chance, but not in half the steps too.
+        # Errors of model and time step may cancel by chance, but not at half the step, too.
         for share, factor in ((accepted, step), (2 * accepted, step / 2)):
             good[good] = within(share, level.with_step(factor), good)
         choices.append(Choice(good, name, step))
@@ -207,15 +208,15 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
 def thresholds_at(
     study: Study, values: Mapping[str, np.ndarray], f0, C, pulse=0, axes: Sequence[np.ndarray] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find thresholds of a study's device with other values, each (n,), and their errors, or NaN.
+    """Find thresholds of a study's device with other values, multiples of g.
 
-    values: by name; f0: Hz; C: uN us/um; pulse: index in the study's, each a number or (n,)
-    axes: ascending, of surfaces that values or C are, raveled; of these few rows are searched
-    Returns also where there is a device; (n,).
+    values: by name, each (n,); f0 (Hz), C (uN us/um) and pulse (an index): numbers or (n,)
+    axes: ascending; if values or C are those of a grid, raveled, few rows of it are searched
+    Returns thresholds, their errors, and whether the device has a second shape, (n,).
     """
     size = np.broadcast(f0, C, *values.values()).size
     exists = is_bistable(study.device, values, size)
-    first = np.full((2, size), np.nan)
+    thresholds = np.full((2, size), np.nan)
     if exists.any():
         places = np.arange(exists.sum())
         made = {key: column[exists] for key, column in values.items()}
@@ -228,5 +229,5 @@ def thresholds_at(
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
         tell_cost(models, rows, study.settings)
         columns = find_thresholds(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
-        first[:, exists] = columns["N_first"], columns["N_error"]
-    return *first, exists
+        thresholds[:, exists] = columns["N_first"], columns["N_error"]
+    return *thresholds, exists

@@ -1,4 +1,4 @@
-"""Thresholds of devices that are much alike: those known tell where to look for the next."""
+"""Thresholds of similar devices: those of the first samples predict those of the next ones."""
 
 import numpy as np
 
@@ -11,24 +11,24 @@ from .search import SCAN_STEP, TOGETHER, amplitudes, asker, first_snap, near, re
 from .survey import ISLAND_STEP, ISLANDS_FROM, first_seen, scan_range
 
 FIRST_SAMPLES, GROWTH = 64, 8
-"""So many samples tell where to look for as many times more of them, and so on."""
+"""Size of the first block of samples, and of each further block over all before it."""
 SCANNED_SAMPLES = 16
-"""Samples whose labels are scanned, to see in which rows they change back and forth."""
+"""Number of samples that are scanned, to see in which rows labels change back and forth."""
 SCANNED_TO = 1.3
-"""Up to where they are scanned, as a multiple of their threshold."""
+"""End of these scans, as a multiple of the sample's threshold."""
 NOMINAL_REACH = 30.0
-"""A sample's threshold is looked for within so many times the nominal one."""
+"""Factor on the nominal threshold, up and down, within which a sample's threshold is sought."""
 
 
 def nominal_thresholds(
     model: Follows, rows: Rows, settings: Settings, tolerance: float
 ) -> np.ndarray:
-    """Find the lowest N that snaps of rows of which nothing is known, (rows,); NaN for none."""
+    """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
     start, bound = settings.start, least_amplitudes(model, rows, settings.start)
     static = static_threshold(model.device, back=start == SECOND)
-    wide = amplitudes(*scan_range(model.device, static, rows, bound, start), SCAN_STEP)
-    rough, _ = first_seen(ask, wide, bound)
+    N = amplitudes(*scan_range(model.device, static, rows, bound, start), SCAN_STEP)
+    rough, _ = first_seen(ask, N, bound)
     N = amplitudes(ISLANDS_FROM * rough, rough, ISLAND_STEP)
     begins = np.isfinite(ask(N))
     begins[:, 1:] &= ~begins[:, :-1]
@@ -46,35 +46,33 @@ def thresholds_of_samples(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the lowest N that snaps in each sample's rows, (samples, rows), and the ragged rows.
 
-    rows: of all samples, raveled from (samples, rows); deviations: of what scatters from its
-        nominal values, (samples, values); nominal: the nominal device's thresholds, (rows,)
-    Thresholds are the upper end of a step of `tolerance`; NaN where nothing snaps, or all does,
-    within NOMINAL_REACH of the nominal ones, or the row has no nominal one. A row is ragged,
-    (rows,), where labels of the first samples change more than once; each of its samples is then
+    rows: of all samples, raveled from (samples, rows)
+    deviations: of scattered values from their nominal ones, (samples, values)
+    nominal: thresholds of the nominal device, multiples of g, (rows,)
+    A threshold is the upper end of a relative step of `tolerance`. It is NaN where nothing snaps,
+    or all does, within NOMINAL_REACH of the nominal one, or where that is NaN. A row is ragged,
+    (rows,), where labels of the first samples change more than once; all its samples are then
     scanned from below in steps of ISLAND_STEP.
     """
     N_first = np.full((len(deviations), nominal.size), np.nan)
     ragged, known = np.zeros(nominal.size, bool), np.isfinite(nominal)
     if not known.any():
         return N_first, ragged
-    # Amplitudes in relative steps, the same for all samples. No others are tried: a threshold
-    # between two of them does not depend on where it was expected.
+    # All samples share one lattice, so that a threshold does not depend on its prediction.
     low, high = nominal[known].min() / NOMINAL_REACH, nominal[known].max() * NOMINAL_REACH
     size = 2 + int(np.log(high / low) / np.log1p(tolerance))
     # Products, not powers: the library's exponential rounds by the processor.
     N = np.multiply.accumulate(np.r_[low, np.full(size - 1, 1 + tolerance)])
-    lattice, stride = (
-        np.append(N, np.nan),
-        max(1, round(np.log1p(ISLAND_STEP) / np.log1p(tolerance))),
-    )
+    lattice = np.append(N, np.nan)
+    stride = max(1, round(np.log1p(ISLAND_STEP) / np.log1p(tolerance)))
 
     def snaps(numbers, places):
-        """Whether rows, by number (n,), snap at places of the lattice; False beyond its end."""
+        """Tell whether rows, by number (n,), snap at places of the lattice; no beyond its end."""
         N = lattice[np.minimum(places, size)]
         return np.isfinite(asker(model, rows.take(numbers), settings)(N))
 
     def place(N, shape):
-        """The place of the first amplitude that is not below N."""
+        """Find the first place of the lattice that is not below N."""
         return np.minimum(np.searchsorted(lattice, np.broadcast_to(N, shape)), size - 1)
 
     numbers = np.arange(N_first.size).reshape(N_first.shape)
@@ -89,7 +87,7 @@ def thresholds_of_samples(
         first[clean] = near(snaps, here[clean], place(expected, here.shape)[clean], size)
         if not done:
             few = slice(SCANNED_SAMPLES), known
-            ragged[known], above[known] = _look(snaps, here[few], first[few], stride)
+            ragged[known], above[known] = _scan_samples(snaps, here[few], first[few], stride)
             back = np.broadcast_to(ragged, here.shape)
         low = place(expected * lowest, here.shape) if done else first - above
         first[back] = _from_below(snaps, here[back], low[back], size, stride)
@@ -99,8 +97,8 @@ def thresholds_of_samples(
 
 
 def _from_below(snaps, numbers, start, size, step):
-    """Find the first places that snap where labels change back and forth, (rows,)."""
-    # The same places for every sample, wherever it was expected.
+    """Find the first places that snap in ragged rows, (rows,), from `start` up or from below it."""
+    # All samples try multiples of the step, whatever was predicted.
     start = np.maximum(start - start % step, 0)
     first, left = np.empty_like(start), np.arange(start.size)
     while left.size:
@@ -113,10 +111,11 @@ def _from_below(snaps, numbers, start, size, step):
     return first
 
 
-def _look(snaps, numbers, first, stride):
-    """Find rows in which labels change more than once, and how far below `first` they do at most.
+def _scan_samples(snaps, numbers, first, stride):
+    """Find ragged rows, and the largest distance from `first` down to the lowest place that snaps.
 
-    numbers, first: of samples, (samples, rows); both results (rows,), the latter in places
+    numbers, first: numbers of rows, and a place that snaps, (samples, rows)
+    Returns bools and places, (rows,).
     """
     steps = round(np.log(SCANNED_TO / ISLANDS_FROM) / np.log1p(ISLAND_STEP))
     start = np.maximum(first - round(-np.log(ISLANDS_FROM) / np.log1p(ISLAND_STEP)) * stride, 0)
@@ -128,16 +127,17 @@ def _look(snaps, numbers, first, stride):
 
 
 def _expected(new, known, N_first):
-    """Predict thresholds of new samples, (new, rows), and the least of known over these.
+    """Predict thresholds of new samples, (new, rows), by least squares of their logarithms.
 
-    new, known: deviations of samples, (..., values); N_first: thresholds of those known
-    By least squares, of linear and, of enough samples, quadratic terms; where nothing snapped, the
-    row's mean stands.
+    new, known: deviations of new samples and of those with known thresholds, (samples, values)
+    N_first: the known thresholds, (known, rows); where it is NaN, the mean of the row stands
+    The terms are linear and, if there are enough samples, quadratic. Also returns the least ratio
+    of a known threshold to its prediction, (rows,).
     """
     weight = np.isfinite(N_first)
     logs = np.log(np.where(weight, N_first, 1.0))
     mean = logs.sum(axis=0) / np.maximum(weight.sum(axis=0), 1)
-    apart = np.where(weight, logs - mean, 0.0)
+    deviation = np.where(weight, logs - mean, 0.0)
     scale = np.abs(known).max(axis=0) + np.finfo(float).tiny
     i, j = np.triu_indices(scale.size)
     is_enough = len(known) >= 2 * (1 + scale.size + i.size)
@@ -147,6 +147,6 @@ def _expected(new, known, N_first):
         squares = [x[:, i] * x[:, j]] if is_enough else []
         return np.column_stack([np.ones(len(x)), x, *squares])
 
-    fit = np.linalg.lstsq(terms(known), apart)[0]
-    left = apart - terms(known) @ fit
-    return np.exp(mean + terms(new) @ fit), np.exp(left.min(axis=0))
+    fit = np.linalg.lstsq(terms(known), deviation)[0]
+    residual = deviation - terms(known) @ fit
+    return np.exp(mean + terms(new) @ fit), np.exp(residual.min(axis=0))

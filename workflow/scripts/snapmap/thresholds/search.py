@@ -1,4 +1,4 @@
-"""Where labels change along N: scanned, looked for near a guess, and refined, by any model."""
+"""Changes of label along N: any model scans for them, seeks them near a guess, or refines them."""
 
 import math
 from collections.abc import Callable
@@ -11,31 +11,32 @@ from ..solver.models import Follows
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 
 SCAN_STEP = 0.03
-"""Relative distance of the amplitudes that are tried before any is refined."""
+"""Relative step of the amplitudes in a first scan."""
 PARTS = 4
-"""Of an interval, into which each round of a search cuts it; more cost more runs a digit."""
+"""Number of parts into which each round of a search cuts an interval; more parts cost more runs."""
 TOGETHER, AT_ONCE = 8, 256
-"""Most places of a row that a walk looks at together, if that are no more than so many in all."""
+"""Most places of one row, and of all rows, that `walk` tries at once."""
 EXPECTED_WITHIN = 0.004
-"""Relative distance within which a threshold is looked for where it is expected."""
+"""Relative distance from an expected threshold within which it is sought."""
 
 Ask = Callable[[np.ndarray], np.ndarray]
-"""t_snap of N, (rows, n), us; not finite where a cell does not snap, or N is NaN."""
+"""A function from N to t_snap, us, both (rows, n); NaN where a cell does not snap or N is NaN, -inf
+where no run of a cell can be believed."""
 Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""A bool of rows, by number (n,), at places of a grid, (n, m)."""
+"""A function from numbers of rows, (n,), and places on a grid, (n, m), to bools, (n, m)."""
 
 
 class Approach(NamedTuple):
-    """How near cells come to a snap: t_snap, as `Ask` has it, and the `lowest` w(L/2)."""
+    """How near cells come to a snap: t_snap, us, as `Ask` gives it, and the lowest w(L/2), um."""
 
     t_snap: np.ndarray
     lowest: np.ndarray
 
 
 class Edges(NamedTuple):
-    """Changes between what snaps and what does not along N; each lies between low and high.
+    """Changes of label along N, each between two amplitudes; all (edges,).
 
-    row: which row; rising: whether it is high that snaps
+    row: number of the row; low, high: multiples of g; rising: whether the cell at high snaps
     """
 
     row: np.ndarray
@@ -44,19 +45,19 @@ class Edges(NamedTuple):
     rising: np.ndarray
 
     def take(self, which: np.ndarray) -> "Edges":
-        """Take the edges chosen."""
+        """Take some edges, by a mask or indices."""
         return Edges(*(column[which] for column in self))
 
 
 def joined(*edges: Edges) -> Edges:
-    """Join edges, one behind the other."""
+    """Join several groups of edges into one."""
     return Edges(*map(np.concatenate, zip(*edges, strict=True)))
 
 
 class Window(NamedTuple):
-    """Where each row is scanned, (rows,): from low to high, in multiples of g, in relative steps.
+    """Where each row is scanned, (rows,): from low to high, multiples of g, in relative steps.
 
-    A row whose ends are NaN is not scanned.
+    A row with an end that is NaN is not scanned.
     """
 
     low: np.ndarray
@@ -69,14 +70,15 @@ class Window(NamedTuple):
         return amplitudes(*self)
 
     def of(self, rows: np.ndarray) -> "Window":
-        """The same of some rows, a mask of them, (rows,)."""
+        """Leave out all rows but those of a mask, (rows,)."""
         return self._replace(low=np.where(rows, self.low, np.nan))
 
 
 class Seen(NamedTuple):
-    """What was seen of rows from one N to another: edges, and the labels of the ends, (rows,).
+    """What is known of rows between two N: the edges, and the labels at both ends.
 
-    low, high: these ends, in multiples of g, (rows,); NaN where nothing was looked at
+    begins, ends: whether the row snaps at low, and at high, (rows,)
+    low, high: the two N, multiples of g, (rows,); NaN where nothing is known
     """
 
     edges: Edges
@@ -86,7 +88,7 @@ class Seen(NamedTuple):
     high: np.ndarray
 
     def of(self, rows: np.ndarray) -> "Seen":
-        """The same of some rows, a mask of them, (rows,)."""
+        """Forget all rows but those of a mask, (rows,)."""
         low, high = (np.where(rows, end, np.nan) for end in (self.low, self.high))
         edges = self.edges.take(rows[self.edges.row])
         return Seen(edges, rows & self.begins, rows & self.ends, low, high)
@@ -100,12 +102,12 @@ def lowest_snap(
     tolerance: float = THRESHOLD_TOLERANCE,
     step: float = SCAN_STEP,
 ) -> np.ndarray:
-    """Find the lowest N that snaps, (rows,).
+    """Find the lowest N that snaps, multiples of g, (rows,).
 
-    bracket: multiples of g between which to look, numbers or (rows,)
-    step: relative distance of the amplitudes that are tried first
-    tolerance: of N, relative; the result is the upper end of an interval that narrow
-    NaN where nothing in the bracket snaps, or its lower end does.
+    bracket: lowest and highest N to try, numbers or (rows,)
+    tolerance: relative width of the interval whose upper end is returned
+    step: relative step of the amplitudes that are tried first
+    Gives NaN where nothing in the bracket snaps, or its lower end does.
     """
     ask = asker(model, rows, settings)
     low, high = (np.broadcast_to(end, rows.f0.shape) for end in bracket)
@@ -114,11 +116,7 @@ def lowest_snap(
 
 
 def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -> Ask:
-    """Make a function that tells when the cells of rows snap.
-
-    until: "edge" or "snap", as in `settings.QUESTION`
-    It gives -inf where no run of a cell can be believed.
-    """
+    """Make the function that tells when cells of rows snap; until: as in `settings.QUESTION`."""
     observe = observer(model, rows, settings, until)
     return lambda N: observe(N).t_snap
 
@@ -126,7 +124,7 @@ def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -
 def observer(
     model: Follows, rows: Rows, settings: Settings, until: str = "edge"
 ) -> Callable[[np.ndarray], Approach]:
-    """Make a function of N, (rows, n), that tells how near their cells come to a snap."""
+    """Make the function of N, (rows, n), that tells how near cells come to a snap."""
     settings = settings._replace(until=until, repeat=False)
 
     def observe(N):
@@ -141,7 +139,7 @@ def observer(
 
 
 def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
-    """Space amplitudes from low to high in relative steps, each (rows,): (rows, n), NaN beyond."""
+    """Space N from low to high in relative steps, each (rows,): (rows, n), NaN at a row's end."""
     factor = np.broadcast_to(1 + np.asarray(step), low.shape)
     count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
     # Products, not powers: the library's exponential rounds by the processor.
@@ -152,14 +150,14 @@ def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> n
 
 
 def scan(ask: Ask, N: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges on ascending N, (rows, n), as `edges_of` does."""
+    """Run ascending N, (rows, n), and find what `edges_of` finds."""
     return edges_of(N, ask(N))
 
 
 def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges on ascending N, (rows, n), and whether the first and the last N of a row snap.
+    """Find the edges, in ascending order, and whether the first and the last N of each row snap.
 
-    t_snap: as `Ask` has it. The edges of a row ascend; N may be NaN after its last.
+    N: ascending, (rows, n), NaN behind the last of a row; t_snap: as `Ask` gives it
     """
     snapped, known = np.isfinite(t_snap), np.isfinite(N)
     row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
@@ -169,7 +167,7 @@ def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.n
 
 
 def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
-    """Scan a window on either side of what was seen of rows, or all of it where nothing was."""
+    """Scan the parts of a window below and above what was seen, or all where nothing was."""
     low, high, step = window
     new = np.isnan(seen.low)
     below = Window(np.where(seen.low <= low, np.nan, low), np.where(new, high, seen.low), step)
@@ -189,13 +187,13 @@ def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
 def around(
     limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
 ) -> Window:
-    """Make a window that reaches so many times beyond two N of each row, within limits."""
+    """Make the window from first / reach to last * reach, (rows,), within limits."""
     low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)
     return Window(low, high, np.full(low.size, step))
 
 
 def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Find the least and the largest N of each row, (n_rows,); NaN where there is none."""
+    """Find the least and the largest N of each row, (n_rows,), NaN for rows without; row: of N."""
     least, largest = np.full((2, n_rows), np.nan)
     np.fmin.at(least, row, N)
     np.fmax.at(largest, row, N)
@@ -203,25 +201,24 @@ def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, 
 
 
 def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read N_first and N_always, (rows,), and the islands' ends, (2, rows, most), off the edges.
+    """Read N_first and N_always, (rows,), and the ends of islands, (2, rows, most), off the edges.
 
-    is_open: whether a row's highest N does not snap, so that nothing always does; (rows,)
+    is_open: whether the highest N of a row does not snap, so that there is no N_always, (rows,)
     """
     n_rows = is_open.size
-    row, starts = edges.row[edges.rising], edges.high[edges.rising]
-    N_first, N_always = outermost(row, starts, n_rows)
-    ends_row, ends = edges.row[~edges.rising], edges.low[~edges.rising]
-    most = np.bincount(ends_row, minlength=1).max()
+    rising, falling = edges.take(edges.rising), edges.take(~edges.rising)
+    N_first, N_always = outermost(rising.row, rising.high, n_rows)
+    most = np.bincount(falling.row, minlength=1).max()
     islands = np.full((2, n_rows, most), np.nan)
-    for i in np.unique(ends_row):
-        to = np.sort(ends[ends_row == i])
-        islands[0, i, : to.size] = np.sort(starts[row == i])[: to.size]
-        islands[1, i, : to.size] = to
+    for i in np.unique(falling.row):
+        ends = np.sort(falling.low[falling.row == i])
+        islands[0, i, : ends.size] = np.sort(rising.high[rising.row == i])[: ends.size]
+        islands[1, i, : ends.size] = ends
     return N_first, np.where(is_open, np.nan, N_always), islands
 
 
 def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the interval below the first of ascending N, (rows, n), that snaps; NaN if none."""
+    """Find the interval below the first of ascending N, (rows, n), that snaps; NaN for none."""
     first = np.argmax(snapped, axis=1)
     rows = np.arange(len(N))
     inside = snapped[rows, first] & (first > 0)
@@ -236,11 +233,11 @@ def refine(
     tolerance: float,
     rising: np.ndarray | bool = True,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Narrow intervals, (rows,), between what snaps and what does not, to neighbouring places.
+    """Narrow intervals with a change of label, low and high (rows,), to neighbouring places.
 
-    rising: whether it is `high` that snaps, (rows,)
+    rising: whether `high` snaps, (rows,); else `low` does
     The places are those of a lattice in relative steps of `tolerance` or less, the same for all
-    rows: a change that is alone has the same place wherever it was looked for.
+    rows: a single change has the same place whatever interval it was sought in.
     """
     low, high, size = np.array(low), np.array(high), lattice_size(tolerance)
     rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
@@ -260,18 +257,18 @@ def refine(
 
 
 def lattice_size(tolerance: float) -> int:
-    """Choose how many places a lattice has from 2^n to 2^(n + 1): relative steps no wider."""
+    """Choose the number of lattice places from 2^n to 2^(n + 1), for steps within a tolerance."""
     return 2 ** (1 - math.frexp(tolerance)[1])
 
 
 def place_of(N: np.ndarray, size: int, rounding: Callable = np.ceil) -> np.ndarray:
-    """Find the place of a lattice next to N, upwards or downwards; (n,), far below for NaN."""
+    """Find the places of a lattice at N or above; with np.floor, at N or below; NaN counts as 0."""
     share, exponent = np.frexp(np.where(np.isnan(N), 0.0, N))
     return exponent * np.int64(size) + rounding((2 * share - 1) * size).astype(np.int64)
 
 
 def amplitude_at(place: np.ndarray, size: int) -> np.ndarray:
-    """Give the amplitude at places of a lattice."""
+    """Give N at places of a lattice of `size` places an octave."""
     exponent, steps = np.divmod(place, size)
     return np.ldexp(0.5 + steps / (2 * size), exponent.astype(np.int32))
 
@@ -284,12 +281,12 @@ def near(
     low: np.ndarray | None = None,
     high: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Find the first place of a grid of `size` at which labels that change once are true, (rows,).
+    """Find the first place at which labels, which change once along a grid, are true, (rows,).
 
-    rows: their numbers, as the label takes them
-    guess: a place, at which and below which it is looked first, and then ever farther away, (rows,)
-    low, high: places known to be false and true; before the first and beyond the last unless given
-    Returns 0 where all are true, and `size` where none is.
+    rows: numbers of rows, as `label` takes them; size: number of places of the grid
+    guess: where the search begins, to go ever farther away, (rows,)
+    low, high: places known to be false and true, (rows,); by default outside of the grid
+    Returns 0 where all labels are true, and `size` where none is.
     """
     low = np.full(guess.size, -1) if low is None else low.copy()
     high = np.full(guess.size, size) if high is None else high.copy()
@@ -312,10 +309,10 @@ def near(
 def walk(
     label: Label, rows: np.ndarray, start: np.ndarray | int, stop: np.ndarray | int, step: int = 1
 ) -> np.ndarray:
-    """Find the first place, from `start` on in steps, at which a label is true, (rows,).
+    """Find the first place from `start` on, in steps, at which a label is true, (rows,).
 
-    rows: as for `near`
-    stop: where to end, which stands where no label is; a few places beyond are looked at, too
+    rows: numbers of rows, as `label` takes them
+    stop: the place to end at, returned where no label is true; a few places beyond are tried, too
     """
     place = np.array(np.broadcast_to(start, rows.shape))
     stop = np.broadcast_to(stop, rows.shape)
@@ -335,9 +332,10 @@ def walk(
 def nearby(
     model: Follows, rows: Rows, settings: Settings, expected: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find the lowest N that snaps where it is expected, (rows,); NaN where labels are others.
+    """Find a threshold close to where it is expected, between two neighbours on `refine`'s lattice.
 
-    The place below it, which does not, comes first. N stands on the lattice of `refine`.
+    expected: multiples of g, (rows,), NaN for rows that are skipped
+    Returns low, which does not snap, and high, which does, (rows,); NaN where no change is near.
     """
     size = lattice_size(tolerance)
     known, reach = np.flatnonzero(np.isfinite(expected)), math.ceil(2 * size * EXPECTED_WITHIN)

@@ -10,20 +10,21 @@ from ..device.device import Device, Value
 from ..pulse.pulse import Pulse
 
 HEAVY = 30.0
-"""Least mass, in those of the beam, whose path the beam's own inertia leaves with a corner."""
+"""Least mass, in masses of the beam, with which the beam's own inertia does not round the corner of
+the path."""
 HOLDS = 0.01
-"""A law holds where it is no farther than this share from the threshold."""
+"""Relative distance from the threshold up to which a law holds."""
 POINTS = 4096
-"""Steps in which a pulse is looked at."""
+"""Number of steps into which a pulse is cut."""
 
 
 def growth_rate(device: Device, C: Value) -> Value:
-    """Rate sigma, 1/us, at which the mass departs along the falling branch; 2/sigma is the dwell.
+    """Give the rate sigma, 1/us, at which the mass departs along the falling branch of the path.
 
-    C: uN us/um
-    NaN where the path has no corner from which it falls: the spring is stiffer than the falling
-    beam or the contact softer, the mass light or apart at rest, a stop in the way, or the beam free
-    to tilt or made with a second cosine.
+    C: uN us/um; the dwell is 2/sigma
+    It is NaN where the path has no corner from which it falls: the spring is stiffer than the
+    falling beam or the contact softer, the mass is light or apart at rest, a stop is in the way, or
+    the beam is free to tilt or made with a second cosine.
     """
     beam, damping = device.beam, C * device.damper_factor
     falls = 64 * math.pi * math.pi * beam.stiffness_unit
@@ -40,19 +41,18 @@ def growth_rate(device: Device, C: Value) -> Value:
 
 
 def slow_factor(pulse: Pulse, swings: np.ndarray) -> np.ndarray:
-    """Threshold of a slow pulse over the static one, (rows,): 1 over the peak of what lasts.
+    """Give the threshold of a slow pulse over the static one, (rows,): 1 over the peak of I.
 
     swings: sigma over f0, (rows,)
-    What lasts of a pulse p is I = sigma int_0^inf exp(-sigma u) p(t + u) du, followed from its end
-    by I' = sigma (I - p). NaN of a pulse that jumps, or never presses.
+    I = sigma int_0^inf exp(-sigma u) p(t + u) du is the lasting part of a pulse p, followed from
+    its end by I' = sigma (I - p). The factor is NaN if a pulse jumps, or never presses.
     """
     if any(pulse.ends) or pulse.highest == 0:
         return np.full(swings.shape, np.nan)
     p = pulse.at(np.arange(POINTS + 1) / POINTS)
     half = swings / (2 * POINTS)
-    lasts = np.zeros(swings.shape)
-    most = np.zeros(swings.shape)
-    for mean in (p[:-1] + p[1:])[::-1].tolist():
-        lasts = (lasts * (1 - half) + half * mean) / (1 + half)
-        most = np.fmax(most, lasts)
-    return 1 / most
+    lasting, peak = np.zeros((2, *swings.shape))
+    for double_mean in (p[:-1] + p[1:])[::-1].tolist():
+        lasting = (lasting * (1 - half) + half * double_mean) / (1 + half)
+        peak = np.fmax(peak, lasting)
+    return 1 / peak

@@ -16,7 +16,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study import arguments
-from ..study.axes import PULSE_AXES, rows_of
+from ..study.axes import rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
 from ..study.variables import dress, flags
 from .cost import tell_cost
@@ -34,6 +34,7 @@ from .survey import (
     STATUS,
     is_fast,
     is_ringing,
+    is_single,
     look_closely,
     lowest,
     snap_times,
@@ -43,15 +44,15 @@ from .survey import (
 from .verified import SNAPS_AT, WITHIN, Expected, expected_labels, fill, initial_rows, surfaces
 
 IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
-"""A pulse of so many times the device's own frequency, and the beam's, is as good as a jump in
+"""Frequency, over the device's own and over the beam's, of a pulse that stands for a jump in
 velocity."""
 
 SLOWNESS = 0.02
-"""Frequency, over the device's own, of a pulse that stands for a long one where it jumps."""
+"""Frequency, over the device's own, of a pulse that stands for a long one, if pulses jump."""
 NO_AREA = 1e-3
-"""A pulse of less area leaves no change of velocity by which it could trip."""
+"""Area below which a pulse leaves no change of velocity that could trip."""
 ROWS = 4096
-"""Rows looked at together: each takes some 70 kB."""
+"""Number of rows that are searched together; each takes some 70 kB."""
 
 COMMENT = (
     f"in multiples of g; narrower stretches may lie below: than {2 * CLOSE_STEP:.2%} of N near a "
@@ -79,16 +80,16 @@ def threshold(
     highest: largest N searched for islands, multiples of g; None for twice the threshold
     options: horizon, energy_tolerance, threads, start, pulse, direction, skip,
         device axes, model options
-    The Dataset holds `N_first`, `N_latched` and their errors over (..., C, f0). Only the digits
-    that `N_error` allows count, as sharp thresholds lie on a lattice of relative step `tolerance`.
-    `N_static` and `velocity_change` are the limits of slow and short pulses; `N_slow` is the
-    threshold of slow pulses by their `dwell` (us) above N_static. A pulse changes the velocity by
-    `area` N g / f0; `scale_first` is the factor on a record in known units. The words of `status`
-    are `numpy.array(found.status.flag_meanings.split())[found.status]`.
+    The Dataset holds `N_first`, its error `N_error`, and `N_latched` over (..., C, f0). Thresholds
+    are places on a lattice of relative step `tolerance`: only the digits that `N_error` allows
+    count. `N_static` and `velocity_change` (m/s) are the limits of slow and short pulses. `N_slow`
+    is the law of slow pulses, by their `dwell` (us) above N_static. A pulse changes the velocity by
+    `area` N g / f0. `scale_first` is the factor on a record in known units. `status` is an index
+    into the words `thresholds.status.flag_meanings.split()`.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> found = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
-    >>> found.N_first.squeeze().round().values.tolist()
+    >>> thresholds = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
+    >>> thresholds.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
     study, axes = study_of(device, model, options, C=C, f0=f0)
@@ -103,30 +104,19 @@ def thresholds_of(
 ) -> xr.Dataset:
     """Find the thresholds of a study, as `threshold` returns them.
 
-    axes: values of the device, C and f0, by name; tolerance, highest: as there
+    axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
     settings = study.settings
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
-    grid, models, columns = _search(study, axes, tolerance, highest)
-    rows = rows_of(grid)
-    exists = rows.device >= 0
+    grid, rows, models, columns = _search(study, axes, tolerance, highest)
     columns["N_bound"][least_amplitudes(models.decides, rows, settings.start) == 0] = np.nan
-    N_first, N_latched = columns["N_first"], np.full(exists.size, np.nan)
-    first = N_first[exists]
-    top = ISLANDS_TO * first if highest is None else highest
-    top = np.where(np.isnan(first), np.nan, top)
-    # A clean threshold is latched from the upper end of its bar: within it, steps to the end of a
-    # run may not snap where those to a snap do.
-    bar = np.where(columns["ragged"] == 0, columns["N_error"], 0.0)[exists]
-    low = np.where(first + bar <= top, first + bar, np.nan)
-    warn_of_bars(N_first, columns["N_error"], tolerance)
-    latched = lowest_latched(models.decides, rows.take(exists), low, top, settings)
-    N_latched[exists] = np.where(latched == low, first, latched)
-    columns["N_latched"] = N_latched
+    warn_of_bars(columns["N_first"], columns["N_error"], tolerance)
+    columns["N_latched"] = _find_latched(models.decides, rows, columns, settings, highest)
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
-        columns["scale_first"] = N_first * grid.device.gravity[rows.device] / peak[rows.pulse]
+        acceleration = columns["N_first"] * grid.device.gravity[rows.device]
+        columns["scale_first"] = acceleration / peak[rows.pulse]
     data = _variables(grid, columns) | _limits(grid, models, settings, tolerance)
     data |= _slow(grid, rows, models, settings)
     data["status"] = *data["status"], flags(STATUS)
@@ -138,13 +128,13 @@ def thresholds_of(
 def first_snaps(
     study: Study, axes: Mapping[str, Sequence[float]], tolerance: float = THRESHOLD_TOLERANCE
 ) -> xr.Dataset:
-    """Find the thresholds of a study alone, without limits and latching; arguments as above."""
-    grid, _, columns = _search(study, axes, tolerance)
+    """Find the thresholds of a study as `thresholds_of` does, but no limits and no N_latched."""
+    grid, _, _, columns = _search(study, axes, tolerance)
     return xr.Dataset(_variables(grid, columns), grid.axes)
 
 
 def _search(study, axes, tolerance, highest=None):
-    """Find the thresholds of a study: its grid, the models, and the variables, (rows, ...)."""
+    """Find the thresholds of a study; returns grid, rows, models and variables, (rows, ...)."""
     settings, grid = study.settings, study.set_out(axes)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     exists = rows.device >= 0
@@ -155,11 +145,26 @@ def _search(study, axes, tolerance, highest=None):
     searched = _beside(exists, parts)
     searched[initial_rows(parts)] = True
     tell_cost(models, rows.take(searched), settings)
-    return grid, models, find_thresholds(models, rows, parts, settings, tolerance, highest)
+    return grid, rows, models, find_thresholds(models, rows, parts, settings, tolerance, highest)
+
+
+def _find_latched(model, rows, columns, settings, highest):
+    """Find N_latched, (rows,), from the thresholds up; highest: as for `threshold`."""
+    exists = rows.device >= 0
+    first, error, ragged = (columns[key][exists] for key in ("N_first", "N_error", "ragged"))
+    top = np.where(np.isnan(first), np.nan, ISLANDS_TO * first if highest is None else highest)
+    # The search begins at the upper end of a clean threshold's bar: within it, the time steps of a
+    # whole run may not snap where those of a run to the snap do.
+    low = first + np.where(ragged == 0, error, 0.0)
+    low = np.where(low <= top, low, np.nan)
+    latched = lowest_latched(model, rows.take(exists), low, top, settings)
+    N_latched = np.full(exists.size, np.nan)
+    N_latched[exists] = np.where(latched == low, first, latched)
+    return N_latched
 
 
 def _variables(grid, columns):
-    """Give the dimensions of variables of a grid, (rows, ...), and their shapes."""
+    """Give variables, (rows, ...), the shape of the grid, each with its dimensions."""
     dims, last = (*grid.axes, "island"), len(grid.shape) - 1
     return {
         key: (dims[: last + values.ndim], values.reshape(*grid.shape, *values.shape[1:]))
@@ -168,7 +173,7 @@ def _variables(grid, columns):
 
 
 def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
-    """Warn, in one line, that bars stay wider than a tolerance below the default.
+    """Warn, in one line, that error bars are wider than a tolerance below the default one.
 
     N, error: multiples of g, (rows,), NaN where there is no threshold
     """
@@ -191,9 +196,9 @@ def find_thresholds(
     tolerance: float,
     highest: float | None = None,
 ) -> dict[str, np.ndarray]:
-    """Find the thresholds of all rows: variables by name, (rows, ...).
+    """Find the thresholds of all rows; returns variables by name, (rows, ...).
 
-    parts: surfaces, as from `verified.surfaces`
+    parts: surfaces, as `verified.surfaces` returns them; highest: as for `survey`
     """
     columns = {}
 
@@ -202,21 +207,22 @@ def find_thresholds(
             columns[key] = with_rows(rows.f0.size, which, values, columns.get(key))
 
     def search(which):
+        # The first search makes the columns, even if it is of no rows.
         for block in _blocks(which) if which.size or not columns else []:
             new = survey(models, rows.take(block), settings, tolerance, highest)
             add(block, new._asdict() | {"verified": np.zeros(block.size, np.int8)})
         N = columns["N_first"][which]
-        alone = (columns["ragged"][which] == 0) & (columns["islands"][which] == 0)
+        clean = (columns["ragged"][which] == 0) & (columns["islands"][which] == 0)
         bar, level = columns["N_error"][which] / N, columns["level"][which]
-        return Expected(N=N, bar=bar, level=level, clean=np.isfinite(N) & alone)
+        return Expected(N=N, bar=bar, level=level, clean=np.isfinite(N) & clean)
 
     def verify(which, expected):
         holds = np.zeros(which.size, bool)
         for block in _blocks(np.arange(which.size)):
-            part, near = rows.take(which[block]), Expected(*(column[block] for column in expected))
-            new = _verify(models, part, settings, tolerance, highest, near)
-            holds[block] = here = np.isfinite(new["N_first"])
-            add(which[block][here], {key: values[here] for key, values in new.items()})
+            near = Expected(*(values[block] for values in expected))
+            new = _verify(models, rows.take(which[block]), settings, tolerance, highest, near)
+            holds[block] = verified = np.isfinite(new["N_first"])
+            add(which[block][verified], {key: values[verified] for key, values in new.items()})
         return holds
 
     search(np.flatnonzero(_beside(rows.device >= 0, parts)))
@@ -229,7 +235,7 @@ def find_thresholds(
 
 
 def _beside(exists, parts):
-    """Tell which rows exist, but on no surface, (rows,)."""
+    """Tell which rows exist but lie on no surface, (rows,)."""
     beside = exists.copy()
     for numbers, _ in parts:
         beside[numbers[numbers >= 0]] = False
@@ -241,49 +247,50 @@ def _blocks(rows):
 
 
 def _verify(models, rows, settings, tolerance, highest, expected):
-    """Find thresholds of rows where they are expected, by name; N_first is NaN for no such."""
+    """Verify thresholds where they are expected; returns variables by name, (rows, ...).
+
+    N_first is NaN where no threshold is within WITHIN of the expected one.
+    """
     N_first, t_snap = np.full((2, rows.f0.size), np.nan)
     device, finest = models.decides.device, len(models.levels) - 1
     rings = is_ringing(device, rows)
-    of_row = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
+    level_of = np.maximum(expected.level, np.minimum(is_fast(device, rows), finest))
     for number, level in enumerate(models.levels):
-        which = np.flatnonzero(of_row == number)
-        part, N = rows.take(which), expected.N[which]
-        N = np.where(expected_labels(level.decides, part, settings, N), N, np.nan)
-        ends = nearby(level.decides, part, settings, N, tolerance)
-        ways = settings, tolerance, rings[which]
-        close, begins, *_ = look_closely(level.decides, part, *ways, *ends)
-        once = ~begins & (np.bincount(close.row, minlength=N.size) == 1)
-        close = close.take(once[close.row])
+        which = np.flatnonzero(level_of == number)
+        model, part, N = level.decides, rows.take(which), expected.N[which]
+        N = np.where(expected_labels(model, part, settings, N), N, np.nan)
+        ends = nearby(model, part, settings, N, tolerance)
+        seen = look_closely(model, part, settings, tolerance, rings[which], *ends)
+        single = seen.edges.take(is_single(seen.edges, seen.begins)[seen.edges.row])
         first = np.full(N.size, np.nan)
-        first[close.row] = close.high
+        first[single.row] = single.high
         holds = abs(first - N) <= max(WITHIN, tolerance) * N
         N_first[which] = N = np.where(holds, first, np.nan)
-        t_snap[which] = snap_times(level.decides, part, settings, N)
+        t_snap[which] = snap_times(model, part, settings, N)
     top = np.inf if highest is None else highest
-    none = np.zeros(rows.f0.size, np.int8)
-    error = (expected.bar + tolerance) * N_first + abs(N_first - expected.N)
+    zero = np.zeros(rows.f0.size, np.int8)
     return {
-        "status": none + np.int8(FOUND),
+        "status": zero + np.int8(FOUND),
         "N_bound": least_amplitudes(models.decides, rows, settings.start),
         "N_looked": expected.N * SNAPS_AT[-1],
         "N_first": N_first,
-        "N_error": error,
-        "ragged": none,
+        "N_error": (expected.bar + tolerance) * N_first + abs(N_first - expected.N),
+        "ragged": zero,
         "N_always": np.where(N_first <= top, N_first, np.nan),
         "t_snap": t_snap,
-        "level": of_row.astype(np.int8),
-        "islands": none.astype(int),
-        "island_from": np.empty((none.size, 0)),
-        "island_to": np.empty((none.size, 0)),
-        "verified": none + np.int8(1),
+        "level": level_of.astype(np.int8),
+        "islands": zero.astype(int),
+        "island_from": np.empty((zero.size, 0)),
+        "island_to": np.empty((zero.size, 0)),
+        "verified": zero + np.int8(1),
     }
 
 
 def _lowest_of(grid, models, settings, tolerance, omega, which, is_short):
-    """Find N_first, (..., pulses, C), of short or long pulses of a frequency, rad/us, (devices,).
+    """Find N_first, (..., pulses, C), of pulses of a frequency omega, rad/us, (devices,).
 
-    Of short ones beside surfaces the finest models find it; on these, only in rows searched first.
+    which: indices of the pulses; is_short: whether these are short, or else long
+    Short pulses are searched by the finest models, but on surfaces only in the initial rows.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
@@ -292,55 +299,65 @@ def _lowest_of(grid, models, settings, tolerance, omega, which, is_short):
     numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     beside = _beside(exists, parts)
-    best = models.levels[-1] if is_short else models
-    N[beside] = lowest(best, rows.take(beside), settings, tolerance)
+    level = models.levels[-1] if is_short else models
+    N[beside] = lowest(level, rows.take(beside), settings, tolerance)
     surface = np.sort(initial_rows(parts)) if is_short else np.flatnonzero(exists & ~beside)
     N[surface] = lowest(models, rows.take(surface), settings, tolerance)
     return N.reshape(grid.shape[:-1])
 
 
 def _limits(grid, models, settings, tolerance):
-    """Find thresholds of slow and short pulses, of trains their strongest blow; and their area."""
-    device, exists = grid.device, grid.device_of >= 0
-    frequency, of_beam = device.own_frequency, device.beam.bending_frequency
-    fast, slow = np.maximum(IMPULSE * frequency, IMPULSE_OF_BEAM * of_beam), SLOWNESS * frequency
-    alone = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
-    of_pulse = {key: grid.axes[key] for key in PULSE_AXES if key in grid.axes}
-    sizes = tuple(values.size for values in of_pulse.values())
-    of_device = tuple(grid.axes)[: exists.ndim]
-
-    def spread(values):
-        """Spread values of devices, (devices,), over their axes and those of the pulse."""
-        values = np.where(exists, values[grid.device_of], np.nan)
-        return values.reshape(exists.shape + (1,) * len(sizes))
-
-    area = np.array([pulse.area for pulse in alone.pulses])
-    # A force shakes no frame.
-    pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
+    """Find areas of pulses, and limits of slow and short ones; of a train's strongest blow."""
+    first, last = grid.device_of.ndim, len(grid.axes) - 2
+    dims, sizes = tuple(grid.axes), grid.shape[first:last]
+    single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     options = models, settings, tolerance
-    change = _lowest_of(alone, *options, fast, pushes, is_short=True)
-    scale = spread(device.gravity * (2 * np.pi / fast)) * abs(area).reshape(sizes)
-    change *= scale[..., np.newaxis]
     impact = np.array([pulse.impact for pulse in grid.pulses])
-    ahead = [pulse if settings.start == FIRST else pulse.reversed() for pulse in grid.pulses]
-    presses = np.array([pulse.highest for pulse in ahead])
-    static = spread(models.static * (np.nan if models.lawful else 1.0)) / np.where(
-        presses > 0, presses, np.nan
-    ).reshape(sizes)
-    jumps = np.flatnonzero([any(pulse.ends) for pulse in grid.pulses])
-    if jumps.size:
-        at_least = alone._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
-        slowly = _lowest_of(at_least, *options, slow, jumps, is_short=False)[..., 0]
-        static = np.where(np.isin(np.arange(presses.size), jumps).reshape(sizes), slowly, static)
     return {
-        "N_static": ((*of_device, *of_pulse), static),
-        "velocity_change": ((*of_device, *of_pulse, "C"), change),
-        "area": (tuple(of_pulse), abs(impact).reshape(sizes)),
+        "N_static": (dims[:last], _find_static(grid, single, *options, sizes)),
+        "velocity_change": ((*dims[:last], "C"), _find_velocity_change(single, *options, sizes)),
+        "area": (dims[first:last], abs(impact).reshape(sizes)),
     }
 
 
+def _spread(grid, values, sizes):
+    """Spread values of devices, (devices,), over axes of the device, and add axes of the pulse."""
+    values = np.where(grid.device_of >= 0, values[grid.device_of], np.nan)
+    return values.reshape(values.shape + (1,) * len(sizes))
+
+
+def _find_velocity_change(grid, models, settings, tolerance, sizes):
+    """Find the velocity change that snaps, by short pulses, m/s, (..., *sizes, C)."""
+    device, area = grid.device, np.array([pulse.area for pulse in grid.pulses])
+    frequency, of_beam = device.own_frequency, device.beam.bending_frequency
+    fast = np.maximum(IMPULSE * frequency, IMPULSE_OF_BEAM * of_beam)
+    # A force does not shake the frame, and so changes no velocity of it.
+    pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
+    N = _lowest_of(grid, models, settings, tolerance, fast, pushes, is_short=True)
+    scale = _spread(grid, device.gravity * (2 * np.pi / fast), sizes) * abs(area).reshape(sizes)
+    return N * scale[..., np.newaxis]
+
+
+def _find_static(grid, single, models, settings, tolerance, sizes):
+    """Find the limit of long pulses, multiples of g, (..., *sizes); single: grid of single blows.
+
+    A pulse that jumps has another limit than the static threshold; the least C gives it.
+    """
+    ahead = [pulse if settings.start == FIRST else pulse.reversed() for pulse in grid.pulses]
+    press = np.array([pulse.highest for pulse in ahead])
+    static = _spread(grid, models.static * (np.nan if models.lawful else 1.0), sizes)
+    static = static / np.where(press > 0, press, np.nan).reshape(sizes)
+    jumps = np.array([any(pulse.ends) for pulse in grid.pulses])
+    if not jumps.any():
+        return static
+    single = single._replace(axes=grid.axes | {"C": grid.axes["C"][:1]})
+    slow, which = SLOWNESS * grid.device.own_frequency, np.flatnonzero(jumps)
+    N = _lowest_of(single, models, settings, tolerance, slow, which, is_short=False)[..., 0]
+    return np.where(jumps.reshape(sizes), N, static)
+
+
 def _slow(grid, rows, models, settings):
-    """Find for how long devices withstand more than the static threshold; slow thresholds by it."""
+    """Give `dwell` and `N_slow`, the law of slow pulses."""
     of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis]).T
     of_C = np.nan * of_C if models.lawful or settings.start != FIRST else of_C
     rate = np.where((grid.device_of >= 0)[..., np.newaxis], of_C[grid.device_of], np.nan)
@@ -359,19 +376,19 @@ def _slow(grid, rows, models, settings):
 
 
 def to_digits(N: float, error: float) -> str:
-    """Write a threshold to the digits that its bar allows, at most four; to all if it has none."""
+    """Write a threshold to the digits that its error allows, at most four."""
     known = math.floor(math.log10(N)) - math.floor(math.log10(error)) if error > 0 else 3
     return plain(N, min(max(known, 0), 3) + 1)
 
 
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
-    """Sum up thresholds in one line: their range, ragged ones, errors, and the weaker side.
+    """Sum up thresholds in one line: their range, errors, ragged ones, and the weaker direction.
 
-    lowest, highest: N of a grid; the line says where they are on one side of all thresholds
+    lowest, highest: ends of a grid's N; the line says which maps lie on one side of the threshold
     """
     N_first, status = thresholds.N_first, thresholds.status
-    there = np.isfinite(N_first.values)
-    N, error = N_first.values[there], thresholds.N_error.values[there]
+    exists = np.isfinite(N_first.values)
+    N, error = N_first.values[exists], thresholds.N_error.values[exists]
     ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
     ends = f"from N = {' to '.join(ends)}, " if N.size else ""
     known = (error / N)[np.isfinite(error)]
@@ -396,7 +413,7 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
             line += f"; the grid lies wholly {side} the threshold{where}"
     if thresholds.sizes.get("direction", 1) < 2:
         return line
-    # Where nothing snaps, the other side is the weaker one.
+    # If nothing snaps in one direction, the other is the weaker one.
     weaker = N_first.fillna(np.inf).idxmin("direction").where(N_first.notnull().any("direction"))
     sides = [f"{side} in {int((weaker == side).sum())} rows" for side in N_first.direction.values]
     return f"{line}; weaker along {', '.join(sides)}"

@@ -1,14 +1,15 @@
-"""Thresholds as a product: where snapping begins and where it is certain, with an error bar.
+"""The search for thresholds of rows: where snapping begins and is certain, with error bars.
 
 The search has five steps:
-1. The cheap model scans upwards until something snaps (`first_seen`).
-2. It looks for islands within a window about that (`find_islands`).
-3. One model decides where labels change, and refines (`decide`).
-4. Where the device rings, it looks closely beside a threshold that stands alone (`look_closely`).
-5. The threshold is compared with that of another step and of other models (`compare`).
+1. The cheap model scans N upwards until a cell snaps (`first_seen`).
+2. The cheap model scans a window about this N for islands (`find_islands`).
+3. The deciding model locates the changes of label, and refines a single one (`decide`).
+4. If the device rings, the deciding model looks closely beside that change (`look_closely`).
+5. Another time step and other models give the error bar (`compare`).
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -40,51 +41,50 @@ from .search import (
 )
 
 ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
-"""Where islands are looked for, as multiples of the first N that snaps."""
+"""Ends of the window that is scanned for islands, as multiples of the first N that snaps."""
 ISLAND_STEP, RAGGED_STEP, CLOSE_STEP = 0.005, 0.001, 0.00025
-"""Relative steps between which islands are looked for: anywhere, in ragged rows, where labels
-change back and forth, and close to a threshold."""
+"""Relative steps of N: in the scan for islands, in ragged rows (whose labels change back and
+forth), and close to a threshold."""
 CLEAN_REACH, RAGGED_REACH = 1.02, 1.05
-"""How far around the changes seen so far the model that decides looks, in clean and ragged rows."""
+"""Factors on N up to which the deciding model looks around changes, in clean and ragged rows."""
 RINGING = 0.25
-"""The time in which a device follows a pulse, over that of its steepest rise, from which on it
-rings after the pulse: islands lie close to its threshold."""
+"""Least time of a device's response, over that of the pulse's steepest rise, with which the device
+rings after the pulse; islands then lie close to its threshold."""
 FAST_PULSE = 0.7
-"""Frequency of a pulse over the device's own from which on the finer models take its rows."""
+"""Least frequency of a pulse, over the device's own, at which the finer models take its rows."""
 CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
-"""Distances from a threshold, up to CLEAN_REACH, in CLOSE_STEP, at which runs are looked at."""
+"""Distances from a threshold at which runs are compared, in CLOSE_STEP; the last is CLEAN_REACH."""
 OPEN_BAR = 10 * RAGGED_STEP
-"""Relative bar from which on a ragged row stays open: the step of its scan suffices. So far below a
-clean threshold the finest model must show no other."""
+"""Largest relative bar of a ragged row whose changes are refined. Also how far below a clean
+threshold the finest model is asked for islands."""
 STEP_RATIO = 2.0**0.5
-"""Times the step that decides, of the runs by which the error of time is seen: of second order, it
-changes by itself."""
+"""Factor on the deciding time step, of the runs that show its error: as that is of second order,
+it doubles, and the difference is the error itself."""
 AGREEMENTS = 4
-"""At so many distances another level must agree that a threshold lies between."""
+"""Number of successive distances at which another model must see a threshold in between."""
 MAX_DISTANCE = 0.25
-"""Relative distance up to which another level's threshold is looked for; beyond, a row is ragged.
-"""
+"""Relative distance within which another model's threshold is sought; a row without is ragged."""
 SLACK = 0.99
-"""Of the bound by energy, down to which amplitudes are looked at: a model may itself be off."""
+"""Share of the bound by energy at which scans may begin, as a model may itself be off."""
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
-"""Whether there is a threshold, and if not, why: nothing snaps up to the highest N looked at, or
-runs fail, as of a pulse too short for any step."""
+"""Whether a row has a threshold, and if not, why: nothing snaps up to the highest N tried, or runs
+fail, as those of a pulse too short for any time step."""
 NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
 
 
 class Thresholds(NamedTuple):
-    """Thresholds of rows, (rows,), in multiples of g; NaN where there is none.
+    """Thresholds of rows, each (rows,), in multiples of g; NaN where there is none.
 
-    status: whether there is an N_first, or why not: index into STATUS
-    N_bound: below it nothing can snap, by energy
-    N_looked: the highest N looked at
-    N_first: the lowest N seen to snap, a place of the search's lattice; below its bar, nothing
-        wider does than docs/thresholds.md, "Width of islands", says
-    N_error: of N_first: what other levels, another step and the refinement leave open
-    ragged: 1 where labels change back and forth, or levels differ by far, else 0
-    N_always: the lowest above which every N looked at snaps: from here on snapping is the rule
-    t_snap: at N_first, us after the pulse's start
-    level: of the models that decided: 1 of fast pulses, or where the first left too much open
+    status: index into STATUS
+    N_bound: N below which nothing can snap, by energy
+    N_looked: the highest N tried
+    N_first: the lowest N seen to snap, a place of the search's lattice; stretches that snap below
+        its bar are no wider than docs/thresholds.md, "Width of islands", says
+    N_error: error of N_first, from other models, another time step and the refinement
+    ragged: 1 where labels change back and forth, or models differ by far, else 0
+    N_always: the lowest N from which on every N tried snaps
+    t_snap: time of the snap at N_first after the pulse's start, us
+    level: number of finer levels that took over, for a fast pulse or as the bar was too wide
     islands: number of separate stretches of N below N_always that snap
     island_from, island_to: their ends, (rows, most islands), NaN where a row has fewer
     """
@@ -104,14 +104,16 @@ class Thresholds(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """Where labels of rows change, as the model that decides sees it; all but edges (rows,).
+    """Where the deciding model changes its label; edges apart, arrays are (rows,).
 
-    edges: refined, but for those of ragged rows
-    is_open: whether the highest N of a row is quiet, so that nothing always snaps
-    limits: of where islands count
-    ragged, rings: whether labels change back and forth, and whether the device rings
-    firsts: where others begin to snap in ragged rows, (others, rows)
-    highest: largest N looked at; quiet: whether nothing snaps up to there
+    edges: the changes, refined in clean rows
+    is_open: whether a ragged row does not snap at the highest N, and so has no N_always
+    limits: window in which islands count
+    ragged: whether labels change back and forth
+    rings: whether the device rings after the pulse
+    firsts: N at which each of the other models begins to snap in ragged rows, (others, rows)
+    highest: the largest N tried
+    quiet: whether all runs of the first scan succeeded without a snap
     """
 
     edges: Edges
@@ -133,32 +135,31 @@ def survey(
 ) -> Thresholds:
     """Find the thresholds of rows, to a relative tolerance.
 
-    highest: up to which N islands are looked for; ISLANDS_TO times the threshold if not given
-    Rows of fast pulses, and clean ones that are left open by more than the models' tolerance, are
-    taken by finer models. Where the cheap model fails, the one that decides scans.
+    highest: largest N at which islands count; by default ISLANDS_TO times the threshold
+    Finer models take fast pulses, and clean rows whose bar exceeds the models' tolerance.
     """
     options = settings, tolerance, highest
     if models.finer is None:
-        return _followed(models, rows, *options)
-    fast, thresholds = is_fast(models.decides.device, rows), None
-    slow = np.flatnonzero(~fast)
-    if slow.size or not fast.size:
-        new = _followed(models, rows.take(slow), *options)
+        return _survey_level(models, rows, *options)
+    is_fine, thresholds = is_fast(models.decides.device, rows), None
+    coarse = np.flatnonzero(~is_fine)
+    if coarse.size or not is_fine.size:
+        new = _survey_level(models, rows.take(coarse), *options)
         unsure = (new.ragged == 0) & (new.N_error > models.tolerance * new.N_first)
-        fast[slow[unsure]] = True
-        thresholds = _merged(fast.size, None, slow, new)
-    if fast.any():
-        new = survey(models.finer, rows.take(fast), *options)
+        is_fine[coarse[unsure]] = True
+        thresholds = _merged(is_fine.size, None, coarse, new)
+    if is_fine.any():
+        new = survey(models.finer, rows.take(is_fine), *options)
         new = new._replace(level=new.level + 1)
-        thresholds = _merged(fast.size, thresholds, np.flatnonzero(fast), new)
+        thresholds = _merged(is_fine.size, thresholds, np.flatnonzero(is_fine), new)
     return thresholds
 
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
-    """Find N_first, (rows,), without a bar; NaN for none."""
+    """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
     bound = lower_bound(models, rows, settings)
-    alone = models._replace(others=(), judges=())  # which are for bars
-    # No island above the first counts.
+    alone = models._replace(others=(), judges=())  # the others only give bars
+    # With `highest` = 0, islands far above the first N that snaps do not count.
     changes = find_changes(alone, rows, settings, tolerance, 0.0, bound)
     edges = changes.edges.take(changes.edges.rising)
     first, _ = outermost(edges.row, edges.high, bound.size)
@@ -167,21 +168,21 @@ def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> 
     return outermost(edges.row, edges.high, bound.size)[0]
 
 
-def _followed(models, rows, settings, tolerance, highest):
-    """Find thresholds by these models; where the cheap one fails, the one that decides scans."""
+def _survey_level(models, rows, settings, tolerance, highest):
+    """Find thresholds by one level; the deciding model scans rows in which the cheap one fails."""
     bound = lower_bound(models, rows, settings)
     options = settings, tolerance, highest
-    thresholds = _survey(models, rows, *options, bound)
+    thresholds = _search(models, rows, *options, bound)
     lost = np.flatnonzero(thresholds.status == NOT_FOLLOWED)
     if lost.size:
         better = models._replace(scans=models.decides)
-        again = _survey(better, rows.take(lost), *options, bound[lost], SLACK * bound[lost])
-        thresholds = _merged(bound.size, thresholds, lost, again)
+        new = _search(better, rows.take(lost), *options, bound[lost], SLACK * bound[lost])
+        thresholds = _merged(bound.size, thresholds, lost, new)
     return thresholds
 
 
-def _survey(models, rows, settings, tolerance, highest, bound, islands_from=None):
-    """Find thresholds of rows by the five steps; islands_from: N, as in `find_changes`."""
+def _search(models, rows, settings, tolerance, highest, bound, islands_from=None):
+    """Find thresholds of rows by the five steps; bound, islands_from: as in `find_changes`."""
     changes = find_changes(models, rows, settings, tolerance, highest, bound, islands_from)
     N_first, *_ = stretches(changes.edges, changes.is_open)
     N_error, ragged = compare(models, rows, settings, tolerance, changes, N_first)
@@ -190,12 +191,12 @@ def _survey(models, rows, settings, tolerance, highest, bound, islands_from=None
     N_first, N_always, islands = stretches(edges, changes.is_open)
     if highest is not None:
         N_always = np.where(N_always <= highest, N_always, np.nan)
-    t_snap = snap_times(models.decides, rows, settings, np.where(changes.ragged, np.nan, N_first))
-    ragged_N = np.where(changes.ragged, N_first, np.nan)
+    clean_N, ragged_N = np.where([~changes.ragged, changes.ragged], N_first, np.nan)
+    t_snap = snap_times(models.decides, rows, settings, clean_N)
     t_snap = np.fmax(t_snap, snap_times(models.ragged, rows, settings, ragged_N))
-    none = np.where(changes.quiet, NOTHING_SNAPS, NOT_FOLLOWED)
+    reason = np.where(changes.quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
-        status=np.where(np.isnan(N_first), none, FOUND).astype(np.int8),
+        status=np.where(np.isnan(N_first), reason, FOUND).astype(np.int8),
         N_bound=bound,
         N_looked=changes.highest,
         N_first=N_first,
@@ -210,31 +211,32 @@ def _survey(models, rows, settings, tolerance, highest, bound, islands_from=None
     )
 
 
-def _merged(n_rows, thresholds, which, again):
-    """Put new thresholds of rows, by their indices, into thresholds, or into none."""
-    pairs = zip(again, thresholds or [None] * len(again), strict=True)
-    return Thresholds(*(with_rows(n_rows, which, new, old) for new, old in pairs))
+def _merged(n_rows, old, which, new):
+    """Put new thresholds, of the rows with these indices, into old ones, which may be None."""
+    pairs = zip(old or [None] * len(new), new, strict=True)
+    return Thresholds(*(with_rows(n_rows, which, values, before) for before, values in pairs))
 
 
 def with_rows(
-    n_rows: int, which: np.ndarray, new: np.ndarray, others: np.ndarray | None
+    n_rows: int, which: np.ndarray, new: np.ndarray, old: np.ndarray | None
 ) -> np.ndarray:
-    """Put new values of some rows of a variable beside those of the others, which may be missing.
+    """Put new values of some rows into a variable, (n_rows, ...).
 
-    which: indices of the new, (new,); others: (n_rows, ...); either may have fewer islands
+    which: indices of the rows, (new,); old: (n_rows, ...), or None
+    The last axis of new or old values may be shorter; it is filled with NaN or 0.
     """
-    widest = max((part.shape[1:] for part in (new, others) if part is not None), key=np.prod)
+    widest = max((part.shape[1:] for part in (new, old) if part is not None), key=np.prod)
     blank = np.nan if new.dtype.kind == "f" else 0
     values = np.full((n_rows, *widest), blank, new.dtype)
-    if others is not None:
-        values[(slice(None), *map(slice, others.shape[1:]))] = others
+    if old is not None:
+        values[(slice(None), *map(slice, old.shape[1:]))] = old
     values[which] = blank
     values[(which, *map(slice, new.shape[1:]))] = new
     return values
 
 
 def lower_bound(models: Survey, rows: Rows, settings: Settings) -> np.ndarray:
-    """Bound N that snap from below, (rows,): by energy, or far below static ones."""
+    """Bound N that snap from below, (rows,): by energy, and by a small share of the static one."""
     bound = least_amplitudes(models.decides, rows, settings.start)
     return np.maximum(bound, 1e-4 * models.static[rows.device])
 
@@ -248,31 +250,25 @@ def find_changes(
     bound: np.ndarray,
     islands_from: np.ndarray | None = None,
 ) -> Changes:
-    """Find the changes of rows by the first four steps.
+    """Find the changes of label of rows by the first four steps.
 
-    highest: as in `survey`; bound: below which nothing can snap, (rows,)
-    islands_from: the N from which islands count, (rows,), in place of that of ISLANDS_FROM
+    highest: as in `survey`; bound: N below which nothing can snap, (rows,)
+    islands_from: N from which on islands count, (rows,), instead of ISLANDS_FROM times the first
     """
-    rings = is_ringing(models.scans.device, rows)
-    label = asker(models.scans, rows, settings, until="snap")
-    wide = amplitudes(
-        *scan_range(models.scans.device, models.static, rows, bound, settings.start), SCAN_STEP
-    )
-    first, quiet = first_seen(label, wide, bound)
-    slow = ~is_ringing(models.scans.device, rows, RINGING / 5)
+    device = models.scans.device
+    rings, slow = is_ringing(device, rows), ~is_ringing(device, rows, RINGING / 5)
+    N = amplitudes(*scan_range(device, models.static, rows, bound, settings.start), SCAN_STEP)
+    ask_cheap = asker(models.scans, rows, settings, until="snap")
+    first, quiet = first_seen(ask_cheap, N, bound)
     limits = island_limits(first, islands_from, highest, slow)
-    window, ragged = find_islands(label, limits)
-
-    def closely(low, high):
-        return look_closely(models.decides, rows, settings, tolerance, rings, low, high)
-
-    seen, clean = decide(asker(models.decides, rows, settings), closely, window, ragged)
+    window, ragged = find_islands(ask_cheap, limits)
+    look = partial(look_closely, models.decides, rows, settings, tolerance, rings)
+    seen, clean = decide(asker(models.decides, rows, settings), look, window, ragged)
     ragged = np.isfinite(first) & ~clean
     window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
     others = [asker(model, rows, settings, until="snap") for model in _others(models)]
     ask = asker(models.ragged, rows, settings)
     scanned, firsts = scan_ragged(ask, others, window, seen.of(ragged))
-    top = np.where(np.isnan(first), np.fmax.reduce(wide, axis=1), limits.high)
     return Changes(
         edges=joined(seen.of(clean).edges, scanned.edges),
         is_open=ragged & ~scanned.ends,
@@ -280,19 +276,19 @@ def find_changes(
         ragged=ragged,
         rings=rings,
         firsts=firsts,
-        highest=top,
+        highest=np.where(np.isnan(first), np.fmax.reduce(N, axis=1), limits.high),
         quiet=quiet,
     )
 
 
 def is_fast(device, rows):
-    """Tell whether the beam follows a pulse by more than its first modes, (rows,)."""
+    """Tell whether a pulse excites more than the first modes of the beam, (rows,)."""
     swings = np.array([pulse.swings for pulse in rows.pulses])[rows.pulse]
     return 2e-6 * np.pi * rows.f0 * swings > FAST_PULSE * device.own_frequency[rows.device]
 
 
 def is_ringing(device, rows, least=RINGING):
-    """Tell whether the device rings after a pulse, (rows,); least: as RINGING."""
+    """Tell whether the device rings after a pulse, (rows,); least: the share that RINGING is."""
     frequency, spring = device.own_frequency[rows.device], device.spring[rows.device]
     steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
     C = np.where(device.is_alone[rows.device], 0.0, rows.C)
@@ -300,46 +296,47 @@ def is_ringing(device, rows, least=RINGING):
 
 
 def scan_range(device, static, rows, bound, start=FIRST) -> tuple[np.ndarray, np.ndarray]:
-    """Choose between which N rows are scanned, (rows,): from below any threshold to far above.
+    """Choose the lowest and the highest N of the first scan, (rows,): around any threshold.
 
-    static: threshold of slow pulses, (devices,); bound: below which nothing can snap, (rows,)
-    start: as in `Settings`
-    A pulse amplifies no more than it varies: the scan begins at two thirds of the static threshold
-    by that. It ends at five times the static threshold, for a short pulse where it brings as much
-    velocity, against damping. A record that goes back and forth counts as if it changed the
-    velocity by 2 % of peak times duration, and a pulse that pulls as if it pressed with a quarter
-    of its peak.
+    static: threshold of slow pulses, multiples of g, (devices,)
+    bound: N below which nothing can snap, (rows,); start: as in `Settings`
+    A pulse amplifies by at most its variation (2 or more): the scan begins at two thirds of the
+    static threshold over that. It ends at five times the static threshold, and higher for short
+    pulses, by their change of velocity, and damped masses. A record that goes back and forth counts
+    as a change of at least 2 % of peak times duration, and a pulse that pulls counts as pressing
+    with at least a quarter of its peak.
     """
     ahead = [pulse if start == FIRST else pulse.reversed() for pulse in rows.pulses]
     columns = static, device.own_frequency, device.mass
     static, frequency, mass = (column[rows.device] for column in columns)
     facts = [(p.variation, max(abs(p.impact), 0.02 * p.swing), max(p.highest, 0.25)) for p in ahead]
-    variation, area, presses = (column[rows.pulse] for column in np.array(facts).T)
+    variation, area, press = (column[rows.pulse] for column in np.array(facts).T)
     fast = 1e-6 * np.pi * rows.f0 / (frequency * area)
     damped = np.divide(rows.C, 2 * frequency * mass, out=np.zeros(mass.shape), where=mass > 0)
     low = static / (1.5 * np.fmax(variation, 2))
-    # A mass that flies from afar may strike with the energy of a far weaker shock, and a beam that
-    # leaves a mass at its stop may swing further than a lasting push moves it.
+    # A flying mass strikes with energy that a far weaker shock can give it. A beam that leaves a
+    # mass at its stop may swing further than a lasting push moves it.
     from_bound = np.isfinite(device.stop_toward) | (start != FIRST) & ~device.is_alone
     low = np.where(from_bound[rows.device], np.minimum(low, SLACK * bound), low)
-    return low, 5 * static / presses * (1 + fast) * (1 + damped)
+    return low, 5 * static / press * (1 + fast) * (1 + damped)
 
 
-def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the first of wide amplitudes, (rows, n), that snaps, and in which rows all are quiet.
+def first_seen(ask: Ask, N: np.ndarray, bound: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find the first of ascending N, (rows, n), that snaps, and the rows without a snap.
 
-    bound: below which nothing can snap, (rows,); where the lowest snaps, the scan goes down to it
-    Returns N, (rows,), NaN for none, and bools, (rows,), false where a run failed
+    bound: N below which nothing can snap, (rows,); the scan goes down to it where the first N snaps
+    Returns N, (rows,), NaN where nothing snaps, and whether nothing does, (rows,), false where a
+    run failed.
     """
-    t_snap = np.full(wide.shape, np.nan)
-    for part in np.split(np.arange(wide.shape[1]), range(TOGETHER, wide.shape[1], TOGETHER)):
+    t_snap = np.full(N.shape, np.nan)
+    for part in np.split(np.arange(N.shape[1]), range(TOGETHER, N.shape[1], TOGETHER)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
-        t_snap[:, part] = ask(np.where(quiet, wide[:, part], np.nan))
-    first = first_snap(wide, np.isfinite(t_snap))[1]
-    quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(wide[:, 0])
+        t_snap[:, part] = ask(np.where(quiet, N[:, part], np.nan))
+    first = first_snap(N, np.isfinite(t_snap))[1]
+    quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
-        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), wide[:, 0], SCAN_STEP)
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
         first = np.where(begins, first_snap(lower, np.isfinite(ask(lower)))[1], first)
     return first, quiet
 
@@ -347,10 +344,11 @@ def first_seen(ask: Ask, wide: np.ndarray, bound: np.ndarray) -> tuple[np.ndarra
 def island_limits(
     first: np.ndarray, islands_from: np.ndarray | None, highest: float | None, slow: np.ndarray
 ) -> Window:
-    """Limit where islands are looked for, about the first of wide amplitudes that snaps, (rows,).
+    """Choose the window that is scanned for islands, around the first N that snaps, (rows,).
 
-    islands_from, highest: the ends, in place of those of ISLANDS_FROM and ISLANDS_TO
-    slow: whether a pulse moves the device from rest to rest: then islands lie within RAGGED_REACH
+    islands_from: lower ends, (rows,), instead of those by ISLANDS_FROM
+    highest: upper end, multiples of g, instead of those by ISLANDS_TO
+    slow: whether a pulse is too slow for ringing, so that islands lie within RAGGED_REACH, (rows,)
     """
     near = first / RAGGED_REACH, first * RAGGED_REACH
     low = np.where(slow, near[0], ISLANDS_FROM * first) if islands_from is None else islands_from
@@ -360,10 +358,10 @@ def island_limits(
 
 
 def find_islands(ask: Ask, limits: Window) -> tuple[Window, np.ndarray]:
-    """Find where the model that decides is to look, and which rows are ragged, (rows,).
+    """Find the window around the cheap model's changes, and the rows that are ragged, (rows,).
 
-    A row is ragged where labels of the cheap model change more than once; so it is by every other,
-    each in its own way.
+    A row is ragged where labels of the cheap model change more than once: then they do in every
+    model, in each at other N.
     """
     n_rows = limits.low.size
     edges, *_ = scan(ask, limits.N)
@@ -372,30 +370,34 @@ def find_islands(ask: Ask, limits: Window) -> tuple[Window, np.ndarray]:
     return around(limits, *ends, CLEAN_REACH, ISLAND_STEP), ragged
 
 
-def decide(
-    ask: Ask, closely: Callable, window: Window, ragged: np.ndarray
-) -> tuple[Seen, np.ndarray]:
-    """Find the only edge of rows, as the deciding model sees it, and where it is the only one.
+def decide(ask: Ask, look: Callable, window: Window, ragged: np.ndarray) -> tuple[Seen, np.ndarray]:
+    """Find the edges of rows that have a single one, and the rows that are clean, (rows,).
 
-    closely: looks beside the only edge of each row, between two N, (rows,), as `look_closely`
-    ragged: rows that are not looked at, (rows,)
+    ask: of the deciding model; ragged: rows that are skipped, (rows,)
+    look: looks beside the single edge of each row, given low and high, (rows,), as `look_closely`
     """
     edges, begins, _ = scan(ask, window.of(~ragged).N)
-    alone = ~begins & (np.bincount(edges.row, minlength=ragged.size) == 1)
-    only, sides = edges.take(alone[edges.row]), np.full((2, ragged.size), np.nan)
-    sides[:, only.row] = only.low, only.high
-    seen = closely(*sides)
-    count = np.bincount(seen.edges.row, minlength=ragged.size)
-    return seen, ~seen.begins & (count == 1)
+    single = edges.take(is_single(edges, begins)[edges.row])
+    ends = np.full((2, ragged.size), np.nan)
+    ends[:, single.row] = single.low, single.high
+    seen = look(*ends)
+    return seen, is_single(seen.edges, seen.begins)
+
+
+def is_single(edges: Edges, begins: np.ndarray) -> np.ndarray:
+    """Tell which rows have one edge alone, from quiet to snap, (rows,); begins: as in `Seen`."""
+    return ~begins & (np.bincount(edges.row, minlength=begins.size) == 1)
 
 
 def scan_ragged(
     ask: Ask, others: Sequence[Ask], window: Window, seen: Seen
 ) -> tuple[Seen, np.ndarray]:
-    """Find the edges in a window of which a part was seen, and where others begin to snap.
+    """Find all edges in a window of which a part was seen, and where other models begin to snap.
 
-    The others scan in twice the step and say where to look: within CLEAN_REACH of all changes, and
-    to the end of the window on a side where labels are not those beyond it.
+    others: of the other models, which scan the window in twice the step
+    The deciding model looks within CLEAN_REACH of all changes of any model, and on to the lower end
+    of the window while it snaps there, or to the upper end while it does not.
+    Returns what was seen, and N at which each other model begins to snap, (others, rows).
     """
     coarse = window._replace(step=2 * window.step)
     scans = [scan(other, coarse.N) for other in others]
@@ -416,7 +418,7 @@ def scan_ragged(
 
 
 def _begins(scanned, window):
-    """Where a scan begins to snap, (rows,), or the end of the window beyond which it does."""
+    """Give N at which a scan begins to snap, (rows,), or the end of the window on that side."""
     edges, begins, _ = scanned
     first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], begins.size)
     return np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
@@ -431,9 +433,10 @@ def look_closely(
     low: np.ndarray,
     high: np.ndarray,
 ) -> Seen:
-    """Refine the only edge of rows, and find those close to it where the device rings.
+    """Refine the single edge of rows, and find others close to it where the device rings.
 
-    low, high: the edge, (rows,); NaN for rows that are not looked at; rings: (rows,)
+    low, high: ends of the edge, (rows,), NaN for rows that are skipped
+    rings: whether the device rings, (rows,)
     """
     low, high = refine(asker(model, rows, settings), low, high, tolerance)
     seen = close_edges(
@@ -454,7 +457,7 @@ def refine_edges(
     edges: Edges,
     which: np.ndarray,
 ) -> Edges:
-    """Refine the edges of some rows, a mask of them, (rows,)."""
+    """Refine the edges of some rows to a relative tolerance; which: a mask of rows, (rows,)."""
     part, others = edges.take(which[edges.row]), edges.take(~which[edges.row])
     row, *ends, rising = part
     ends = refine(asker(model, rows.take(row), settings), *ends, tolerance, rising)
@@ -470,14 +473,15 @@ def close_edges(
     sides: tuple[int, ...] = (-1, 1),
     reach: float = np.inf,
 ) -> Seen:
-    """Find the edges close to one, as on a scan in CLOSE_STEP, by fewer runs.
+    """Find further edges close to a refined one, as a scan in CLOSE_STEP would, by fewer runs.
 
-    low, high: the edge, refined, (rows,); NaN for rows that are not looked at
-    sides: on which it is looked, -1 below and 1 above; reach: relative, of CLOSE_PLACES
-    Below a threshold that stands alone, each run comes nearer to a snap than those at lower N;
-    above it, each snaps the later, the closer N lies to it. A stretch of the other label bends this
-    far beyond its own ends: near it, too, runs come close to the saddle, and dwell there. Where
-    this order is broken, it is scanned, above in twice the step, unless runs show other labels.
+    low, high: ends of the edge, (rows,), NaN for rows that are skipped
+    sides: sides that are looked at, -1 below and 1 above
+    reach: largest relative distance of CLOSE_PLACES
+    Below a single threshold, runs come nearer to a snap as N grows; above, they snap later the
+    closer N is to it. A stretch of the other label disturbs this order far beyond its own ends, as
+    runs beside it dwell at the saddle, too. Where the order is broken, all steps in between are
+    tried, above every second one, unless a run has shown another label already.
     """
     observe, ask = observer(model, rows, settings), asker(model, rows, settings)
     steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
@@ -489,7 +493,7 @@ def close_edges(
     N, t_snap = [low, high], [np.full(low.size, np.nan), np.zeros(low.size)]
     for side, run in zip(sides, runs, strict=True):
         nearer = -run.lowest if side < 0 else run.t_snap
-        # Above, a gap that is so narrow is of no account.
+        # Above the threshold a gap of one step does not matter.
         wanted = alone & _out_of_order(nearer)[:, inside] & ((side < 0) | (between % 2 == 0))
         more = np.where(wanted, _beside(low, high, side, between), np.nan)
         N += _beside(low, high, side, steps), more
@@ -501,15 +505,14 @@ def close_edges(
 
 
 def _beside(low, high, side, steps):
-    """Place N so many steps below or above an edge, (rows, steps)."""
+    """Give N at some numbers of steps below or above an edge, (rows, steps)."""
     return np.multiply.outer(low if side < 0 else high, 1 + CLOSE_STEP * side * steps)
 
 
 def _out_of_order(nearer, beside=2):
-    """Intervals in which values do not fall outward, and so many beside these, (rows, n).
+    """Find intervals, (rows, n), in which values do not fall outward, or within `beside` of such.
 
-    So no stretch wider than 0.06 % was missed beside 414 thresholds of random devices, a third of
-    them ragged; docs/thresholds.md, "Width of islands".
+    docs/thresholds.md, "Width of islands", has what this misses.
     """
     with np.errstate(invalid="ignore"):
         rises = ~(nearer[:, 1:] < nearer[:, :-1])
@@ -526,44 +529,47 @@ def compare(
     changes: Changes,
     N_first: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compare with another step and other models: errors of N_first, and ragged rows, (rows,)."""
-    edges, _, limits, ragged, rings, firsts, *_ = changes
+    """Compare thresholds with those of another time step and of other models.
 
-    def ask(model, until="edge"):
-        return asker(model, rows, settings, until)
-
-    in_steps, *_ = others = _others(models)
+    Returns the error of N_first, multiples of g, and whether a row is ragged, as its labels change
+    back and forth or as models differ by far; (rows,).
+    """
+    ragged, rings, others = changes.ragged, changes.rings, _others(models)
     clean = np.where(ragged, np.nan, N_first)
-    in_time = distance(ask(in_steps), clean, tolerance)
-    in_space = [distance(ask(other), clean, tolerance) for other in models.others]
-    by_judges = [distance(ask(judge), clean, tolerance) for judge in models.judges]
-    # The second, the better one, may itself be off by as much.
-    near = in_time + np.max(in_space + by_judges, axis=0) + sum(in_space[1:])
+    near = _clean_bars(models, rows, settings, tolerance, clean)
     if models.finest is not None:
-        # An island below that finer steps open belongs to the bar.
-        alone = np.where(rings, clean, np.nan)
-        ends = (1 - tolerance) * alone, alone
-        close = close_edges(models.finest, rows, settings, *ends, (-1,), OPEN_BAR).edges
-        islands = close.take(close.high < ends[0][close.row])
-        near = np.fmax(near, N_first - outermost(islands.row, islands.low, alone.size)[0])
+        # An island that finer time steps open below the threshold belongs to the bar.
+        high = np.where(rings, clean, np.nan)
+        low = (1 - tolerance) * high
+        close = close_edges(models.finest, rows, settings, low, high, (-1,), OPEN_BAR).edges
+        islands = close.take(close.high < low[close.row])
+        near = np.fmax(near, N_first - outermost(islands.row, islands.low, low.size)[0])
     apart = np.isinf(near)
-    window = limits.of(apart)
-    far_firsts = [_begins(scan(ask(other, "snap"), window.N), window) for other in others]
-    firsts = np.where(apart, far_firsts, firsts)
-    far = np.fmax(_spread(edges, N_first), np.max(abs(N_first - firsts), axis=0))
+    window = changes.limits.of(apart)
+    scans = [scan(asker(model, rows, settings, "snap"), window.N) for model in others]
+    firsts = np.where(apart, [_begins(part, window) for part in scans], changes.firsts)
+    far = np.fmax(_spread(changes.edges, N_first), np.max(abs(N_first - firsts), axis=0))
     step = np.where(ragged, RAGGED_STEP, np.where(rings, CLOSE_STEP, 0.0))
     step = np.where(apart, ISLAND_STEP, step)
     ragged = ragged | apart
     return np.where(ragged, far, near) + (step + tolerance) * N_first, ragged
 
 
+def _clean_bars(models, rows, settings, tolerance, N_first):
+    """Add up the distances of clean thresholds in time step and model, (rows,)."""
+    asks = (asker(model, rows, settings) for model in _others(models))
+    in_time, *in_space = [distance(ask, N_first, tolerance) for ask in asks]
+    # The second of `models.others`, the better one, may itself be off by as much.
+    return in_time + np.max(in_space, axis=0) + sum(in_space[1 : len(models.others)])
+
+
 def _others(models):
-    """The models with which ragged rows are compared: in another step the one that decides."""
+    """Give the models that thresholds are compared with, the deciding one in another step first."""
     return models.decides.with_step(STEP_RATIO), *models.others, *models.judges
 
 
 def _spread(edges, N_first):
-    """How far above N_first the last change lies that is close to it, (rows,), but for a step."""
+    """Give the distance from N_first up to the last change within CLEAN_REACH above it, (rows,)."""
     spread = np.zeros(N_first.size)
     above = edges.low - N_first[edges.row]
     close = edges.high <= CLEAN_REACH * N_first[edges.row]
@@ -572,14 +578,16 @@ def _spread(edges, N_first):
 
 
 def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
-    """Find how far from N_first, at most, another level changes from quiet to snap, (rows,).
+    """Find the distance from N_first within which another model's threshold lies, (rows,).
 
-    There and at each of the next AGREEMENTS - 1 doublings it is quiet below and snaps above: where
-    labels change back and forth closely, a single look is luck. It is known to an eighth.
+    ask: of the other model; tolerance: relative, a quarter of which is the first distance tried
+    At that distance and the next AGREEMENTS - 1 doublings the model does not snap below and snaps
+    above: where labels change back and forth, agreement at a single distance is luck. The distance
+    is known to an eighth; it is infinite beyond MAX_DISTANCE, and NaN where N_first is.
     """
 
     def differ(which, reaches):
-        """Whether labels at distances, (n, m), are others than those about a threshold."""
+        """Tell whether labels at relative distances, (n, m), are not those around a threshold."""
         N = np.full((N_first.size, 2 * reaches.shape[1]), np.nan)
         N[which] = N_first[which, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
         below, above = np.hsplit(np.isfinite(ask(N))[which], 2)
@@ -600,5 +608,5 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def snap_times(model, rows, settings, N):
-    """Find when each row snaps at an N, us after the pulse's start, (rows,); NaN for never."""
+    """Find when each row snaps at N, (rows,): us after the pulse's start, NaN where it does not."""
     return asker(model, rows, settings)(N[:, np.newaxis])[:, 0]

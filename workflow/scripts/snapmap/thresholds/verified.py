@@ -1,4 +1,4 @@
-"""Thresholds as surfaces: a few rows are searched, the others verified where those expect them."""
+"""Surfaces of thresholds: a few rows are searched; they predict the others, which are verified."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
@@ -13,22 +13,22 @@ from ..study.axes import NAMES
 from .search import asker
 
 SURFACE_POINTS = 8
-"""Points of an axis from which on thresholds along it are a surface."""
+"""Least number of points on an axis along which thresholds are a surface."""
 SPACING, MOST_INTERVALS = 5, 8
-"""Points between two searched rows along an axis, and most such intervals, at first."""
+"""Points from one searched row to the next along an axis, and most such intervals, at first."""
 CUBIC_POINTS = 4
-"""Searched rows along an axis through which a cubic goes."""
+"""Number of searched rows along an axis that determine a cubic."""
 WITHIN = 1e-3
-"""How far from where it is expected a threshold may lie, relative, and at least its tolerance."""
+"""Largest relative distance of a threshold from its prediction, but at least its tolerance."""
 QUIET_AT, SNAPS_AT = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
-"""Where else labels must be those expected, over the threshold."""
+"""N over the prediction at which a row must not snap, and must snap."""
 
 
 class Expected(NamedTuple):
-    """What searched rows are, or others between them are expected to be; (rows,).
+    """Facts of rows that were searched, or are predicted between those; all (rows,).
 
-    N: threshold; bar: of it, relative; level: of the models that decides
-    clean: whether the threshold is one around which others may be expected
+    N: threshold, multiples of g; bar: its relative error; level: index of the models that decide
+    clean: whether the row may predict others
     """
 
     N: np.ndarray
@@ -40,10 +40,12 @@ class Expected(NamedTuple):
 def surfaces(
     axes: Mapping[str, np.ndarray], rows: np.ndarray, slow: np.ndarray
 ) -> list[tuple[np.ndarray, list[np.ndarray]]]:
-    """Take a grid apart into surfaces, by the values of its axes alone.
+    """Split a grid into surfaces, by the values of its axes alone.
 
-    axes: by name; rows: numbers, of the axes' shape; slow: of f0, where rows are smooth along it
-    Returns rows, (surfaces, n_1, ..., n_d), and d ascending axes, for slow pulses and others.
+    axes: values by name; rows: numbers of rows, in the shape of the axes
+    slow: for each f0, whether thresholds are smooth along f0 there
+    Returns numbers of rows, (surfaces, n_1, ..., n_d), and d ascending axes, for slow pulses and
+    for others.
     """
     apart = []
     for is_slow in (True, False):
@@ -70,13 +72,13 @@ def fill(
     search: Callable[[np.ndarray], Expected],
     verify: Callable[[np.ndarray, Expected], np.ndarray],
 ) -> None:
-    """Search some rows of surfaces, verify those between, and search what is not verified.
+    """Search some rows of surfaces, verify those between, and search where that fails.
 
-    rows: numbers, (surfaces, n_1, ..., n_d), -1 for none; axes: ascending values, (n_1,), ...
-    search, verify: of numbers of rows, (n,); verify is given what is expected there, too, and
-        returns where that holds
-    Which rows are searched depends on the axes, and on what searched ones are: intervals are halved
-    until all rows at the corners of one are clean, or verified, and what lies between holds.
+    rows: numbers of rows, (surfaces, n_1, ..., n_d), -1 for none; axes: ascending values, (n_1,)...
+    search: searches rows by their numbers, (n,)
+    verify: takes numbers of rows and predictions, and returns which of these hold, (n,)
+    Intervals between searched rows are halved until all rows are searched or verified. Only rows
+    between clean corners are verified.
     """
     surface = Surface(rows, axes)
     while surface.left.any():
@@ -86,10 +88,11 @@ def fill(
 
 
 class Surface:
-    """What is known of rows on a grid: they are searched at its corners, and verified between.
+    """Rows on a grid that are searched at corners of intervals, and verified between them.
 
-    rows, axes: as for `fill`; left: which are not known yet; known: what the others are
+    rows, axes: as for `fill`; left: whether a row is unknown yet; known: facts of all other rows
     halvings: how often the first intervals between corners have been halved
+    cubic: prediction of N by the rows that were searched first
     """
 
     def __init__(self, rows: np.ndarray, axes: Sequence[np.ndarray]):
@@ -98,9 +101,12 @@ class Surface:
         self.known = Expected(*(np.full(rows.shape, blank) for blank in (np.nan, np.nan, 0, False)))
 
     def corners(self) -> tuple[list, list]:
-        """Find the corners between which the rows left stand, and their shares, by `_corners`."""
-        places = [_places(x, self.halvings) for x in self.axes]
-        return _corners(np.nonzero(self.left), self.axes, places)
+        """Find the corners around the rows that are left, and their shares, as `_corners` does."""
+        return _corners(np.nonzero(self.left), self.axes, self.places())
+
+    def places(self) -> list[np.ndarray]:
+        """Give the places on each axis at which rows are searched by now."""
+        return [_places(x, self.halvings) for x in self.axes]
 
     def search(self, search: Callable[[np.ndarray], Expected]) -> None:
         """Search the corners that are left."""
@@ -110,21 +116,20 @@ class Surface:
         needed &= self.left
         self._keep(needed, search(self.rows[needed]))
         if self.cubic is None:
-            places = [_places(x, self.halvings) for x in self.axes]
-            self.cubic = _cubic(self.known.N, self.axes, places)
+            self.cubic = _cubic(self.known.N, self.axes, self.places())
 
     def verify(self, verify: Callable[[np.ndarray, Expected], np.ndarray]) -> None:
-        """Verify rows between clean corners, where the cubic, corrected by these, expects them."""
+        """Verify rows between clean corners; the corners correct the prediction of the cubic."""
         corners, shares = self.corners()
         clean = np.all([self.known.clean[corner] for corner in corners], axis=0)
         which = tuple(index[clean] for index in np.nonzero(self.left))
         corners = [tuple(index[clean] for index in corner) for corner in corners]
-        apart = sum(
+        correction = sum(
             share[clean] * (self.known.N[corner] / self.cubic[corner])
             for share, corner in zip(shares, corners, strict=True)
         )
         expected = Expected(
-            N=self.cubic[which] * apart,
+            N=self.cubic[which] * correction,
             bar=np.max([self.known.bar[corner] for corner in corners], axis=0),
             level=np.max([self.known.level[corner] for corner in corners], axis=0),
             clean=clean[clean],
@@ -134,14 +139,14 @@ class Surface:
         self._keep(which, [values[holds] for values in expected])
 
     def _keep(self, which, values):
-        """Keep what rows are, so that they are no longer left."""
+        """Keep facts of rows, which then are known."""
         self.left[which] = False
         for column, value in zip(self.known, values, strict=True):
             column[which] = value
 
 
 def initial_rows(parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]]) -> np.ndarray:
-    """Number the rows of surfaces that `fill` searches whatever they are, (n,)."""
+    """Give the numbers of the rows of surfaces that `fill` searches in any case, (n,)."""
     first = [
         rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))].ravel()
         for rows, axes in parts
@@ -157,7 +162,7 @@ def _places(x, halvings):
 
 
 def _corners(where, axes, places):
-    """Find the 2^d rows between which others stand, and their shares of what lies there."""
+    """Find the 2^d corners around rows, with indices `where`, and the linear share of each."""
     corners, shares = [where[:1]], [np.ones(where[0].size)]
     for index, x, at in zip(where[1:], axes, places, strict=True):
         low, high = at[np.searchsorted(at, index, "right") - 1], at[np.searchsorted(at, index)]
@@ -170,7 +175,7 @@ def _corners(where, axes, places):
 
 
 def _cubic(N, axes, places):
-    """Interpolate N by cubics through the nearest places along each axis; 1 where one lacks N."""
+    """Interpolate N by cubics along each axis; a surface that lacks an N is 1 everywhere."""
     for axis, (x, at) in enumerate(zip(axes, places, strict=True), 1):
         first = np.searchsorted(at, np.arange(x.size), "right") - CUBIC_POINTS // 2
         nodes = at[
@@ -184,14 +189,14 @@ def _cubic(N, axes, places):
             weight = weight.reshape(-1, *[1] * (N.ndim - 1 - axis))
             total = total + weight * N.take(nodes[:, j], axis)
         N = total
-    lacks = np.isnan(N).any(axis=tuple(range(1, N.ndim)), keepdims=True)
-    return np.where(lacks, 1.0, N)
+    lacks_N = np.isnan(N).any(axis=tuple(range(1, N.ndim)), keepdims=True)
+    return np.where(lacks_N, 1.0, N)
 
 
 def expected_labels(
     model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
 ) -> np.ndarray:
-    """Tell whether labels are those expected at all of QUIET_AT and SNAPS_AT, (rows,)."""
+    """Tell whether rows are quiet at all of QUIET_AT and snap at all of SNAPS_AT, (rows,)."""
     N = np.multiply.outer(expected, QUIET_AT + SNAPS_AT)
     quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [len(QUIET_AT)])
     return np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)

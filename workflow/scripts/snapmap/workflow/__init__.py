@@ -1,1 +1,1 @@
-"""The command, and what jobs and terminal say while a study is made."""
+"""The command, and what jobs and a terminal show while a study runs."""

@@ -1,4 +1,4 @@
-"""The command `snapmap`: a config to begin with, what it would cost, and its run."""
+"""The command `snapmap`: it writes a first config, checks a config, and runs it."""
 
 import shutil
 import sys
@@ -13,16 +13,16 @@ from ..files.named import naming
 
 PACKAGE = Path(__file__).parents[1]
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
-"""The folder of the Snakefile: in a wheel within the package, else that of the checkout."""
+"""The folder of the Snakefile: within the package in a wheel, else the checkout."""
 CONFIG = "config.yaml"
 START = 2.5
-"""Core time of a job's start and loading, s, as measured."""
+"""Measured core time of a job's start, s."""
 SEARCH = 750
-"""Runs of a clean threshold, about: 684 to 825 were counted."""
+"""Typical number of runs for a clean threshold: 684 to 825 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the command with its arguments, the process's by default; returns its exit status."""
+    """Run the command; returns its exit status. words: arguments, by default of the process."""
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="init, check or run")
@@ -52,7 +52,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def init(folder: Path) -> None:
-    """Write the config of a sensor, with comments, into a folder; ValueError if one is there."""
+    """Write the config of a sensor, with comments, into a folder; ValueError if it has one."""
     path = folder / CONFIG
     with naming(path):
         if path.exists() or path.is_symlink():
@@ -63,7 +63,7 @@ def init(folder: Path) -> None:
 
 
 def check(config: Path) -> None:
-    """Print what a config describes, its doubts and its cost; raises ValueError, a line a fault."""
+    """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
         from ..applications import functions, gather
         from ..config.doubts import descriptions, doubts
@@ -91,7 +91,7 @@ def check(config: Path) -> None:
 
 
 def _runs(study):
-    """Count the runs of a user's own solver, whose time nobody knows."""
+    """Count the runs of a user's own solver, whose core time is unknown."""
     cells = prod(study.grid.shape)
     rows = cells // study.grid.axes["N"].size
     runs = cells * (1 + study.settings.repeat)
@@ -102,7 +102,7 @@ def _runs(study):
 
 
 def _costs(study):
-    """Core time of thresholds and of applications, but for the start of their jobs, s, about."""
+    """Estimate the core time of thresholds and of applications without their jobs' start, s."""
     from ..applications import gather
     from ..solver.adaptive import choose_survey
     from ..study.axes import rows_of
@@ -118,13 +118,13 @@ def _costs(study):
 def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
     """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
 
-    others: options and targets of Snakemake's, such as -n
+    others: options and targets of Snakemake, such as -n
     """
     with needing("snapmap run"):
         from snakemake.cli import main as snakemake
 
         from ..config.yaml_file import read_document
-    read_document(config)  # Snakemake would evaluate what is behind __use_yte__, not refuse it
+    read_document(config)  # Snakemake would evaluate the expressions of __use_yte__
     options = "--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores
     snakemake([str(word) for word in (*options, *others)])
 

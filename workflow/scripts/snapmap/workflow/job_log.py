@@ -1,4 +1,4 @@
-"""A rule's script: its arguments, and its log."""
+"""The call of a rule's function with the arguments of its job, and the log of the job."""
 
 import inspect
 import os
@@ -14,21 +14,20 @@ from threading import Thread
 from ..files.counting import counting
 
 RUN = "SNAPMAP_RUN"
-"""The variable of the environment with the process of a job's run."""
+"""Name of the environment variable with the process number of a job's run."""
 SHELL_PREFIX = f"trap '' INT; {RUN}=$PPID exec "
-"""Of a job's command: its run becomes its parent. Ctrl-C, which a terminal sends to all, is left to
-the run, which ends its jobs: one that began to import would answer with a traceback."""
+"""Prefix of a job's command, which makes the run its parent. The job ignores Ctrl-C, as it might
+answer with a traceback while it imports; the run ends it."""
 LOOK_AROUND = 1.0
-"""Seconds after which a job looks whether its run is still there."""
+"""Seconds after which a job checks again whether its run still exists."""
 
 
 def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
-    """Call a script's function with what its job has under the names of its parameters.
+    """Call a rule's function with those values of its job that have the names of its parameters.
 
-    job: the `snakemake` object. A parameter is one of its wildcards or params, or NAME_path
-    (several: NAME_paths) of an input or output NAME; `path` is the first output and `folder` where
-    it lies, `threads` what the job may use; `study` is what study_of makes of the run's config and
-    threads.
+    job: the `snakemake` object. Its values are wildcards and params; NAME_path, or NAME_paths, of
+        inputs and outputs; `path`, the first output, and its `folder`; the number of `threads`
+    study_of: makes `study` of the run's config and threads
     """
     first = Path(job.output[0])
     threads = max(1, job.threads)
@@ -42,15 +41,15 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
         if "study" in wanted:
             values["study"] = study_of(job.config, threads)
         function(**{name: values[name] for name in wanted if name in values})
-    os._exit(0)  # all is written; to take down what was imported would take a sixth of a job
+    os._exit(0)  # a regular exit would take a sixth of a job
 
 
 @contextmanager
 def job_log(path: str | Path) -> Iterator[None]:
-    """Keep what a script prints in its log, and its warnings there and on the terminal.
+    """Keep what a rule's function prints in a log; warnings also go to the terminal.
 
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
-    OSError, MemoryError) is one line there; any other a traceback.
+    OSError, MemoryError) is one line in it; any other is a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
@@ -80,7 +79,7 @@ def job_log(path: str | Path) -> Iterator[None]:
 
 
 def count_path(log: str | Path) -> Path:
-    """Where a job, by its log, leaves how many cells it has followed, as long as it is at work."""
+    """Give the path of the file in which a job, by its log, counts the cells it has followed."""
     return Path(log).with_suffix(".part")
 
 
@@ -96,7 +95,7 @@ def _counted(log):
 
 
 def end_with(parent: int) -> None:
-    """End this process with its parent: jobs of a killed run would go on beside the next."""
+    """End this process when its parent ends: a killed run must leave no jobs."""
 
     def look():
         while os.getppid() == parent:

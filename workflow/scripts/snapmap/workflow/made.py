@@ -1,4 +1,4 @@
-"""The list of the files that runs have made, by which results of older configs are removed."""
+"""The list of files that runs have made, by which results of older configs are removed."""
 
 import os
 from collections.abc import Collection, Iterable
@@ -8,21 +8,21 @@ from pathlib import Path
 from ..files.atomic import replacing
 
 LIST = "made.txt"
-"""Its name in the folder of results: under HEAD it holds a path a line, as Snakemake has it."""
+"""Name of the list in the folder of results: HEAD, then a path in each line."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
 
 
 def list_made(folder: str, files: Iterable[str]) -> None:
-    """Add files below a folder, which a job has made, to its list."""
+    """Add files that a job has made below a folder to the folder's list."""
     _write(folder, {*_read(folder), *files})
 
 
 def remove_others(folder: str, kept: Collection[str]) -> list[str]:
-    """Remove the files that the list of a folder names, unless they are kept.
+    """Remove the files that the list of a folder names, but for those in `kept`.
 
-    Nothing else is touched. Returns lines that say what was removed, and what cannot be.
+    No other file is touched. Returns lines on files that were removed, or cannot be removed.
     """
     listed = _read(folder)
     others = [name for name in sorted(listed) if name not in kept and os.path.lexists(name)]
@@ -49,7 +49,7 @@ def _read(folder):
 
 
 def _write(folder, names):
-    # What a full disk keeps off the list only stays longer.
+    # A file that a full disk keeps off the list only stays longer.
     with suppress(OSError), replacing(Path(folder, LIST)) as temporary:
         text = "\n".join([HEAD, *sorted(names), ""])
         Path(temporary).write_text(text, encoding="utf-8")

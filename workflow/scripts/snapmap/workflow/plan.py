@@ -1,4 +1,4 @@
-"""The plan of a study: its grid cut into slabs, and what the job of each may cost."""
+"""The plan of a study: the slabs of its grid, and what the job of each may cost."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,31 +16,31 @@ from ..study.axes import DEVICE, Grid
 from ..sweeps.slabs import SINGLE, Slab, cells_in
 
 JOB_SECONDS = 30
-"""At most the expected time of a slab, most take over a third: long against a job's start, and
-short enough to lose."""
+"""Largest expected time of a slab, long against a job's start, and short enough to lose. Most slabs
+take over a third of it."""
 SHARED_SECONDS = 0.2
-"""A study of at most so much expected time is one job: most take less than the start of another."""
+"""Largest expected time of a study that is a single job, as it takes less than a job's start."""
 SLAB_CELLS = 3_000_000
-"""At most in a slab, for its memory, but for a row that stays together."""
+"""Most cells of a slab, for its memory, but for a row that stays together."""
 MOST_CELLS, MOST_SINGLE = 10**10, 1000
-"""Most cells of a grid, and most values of C, each of which makes a slab: more are a slip."""
+"""Most cells of a grid, and most values of C, each of which makes a slab; more are a slip."""
 START_MB, CELL_MB = 1000, 5e-4
 """Memory requested for a job's start and for each cell; 700 MB and 300 B were measured."""
 START_MINUTES, CAUTION = 2, 20
-"""Time requested for a job's start, and over the expected time; 15 s and SEEN were measured."""
+"""Minutes requested for a job's start, and factor on its time; 15 s and SEEN were measured."""
 SEEN = 3, 9
-"""Measured time over the expected: from the first up to the second."""
+"""Least and largest measured time over the expected one."""
 
 
 class Request(NamedTuple):
-    """What a job asks of a cluster; memory in MB, run time in minutes."""
+    """What a job requests of a cluster: memory in MB, run time in minutes."""
 
     mem_mb: int
     runtime: int
 
 
 class Plan(NamedTuple):
-    """The slabs of a study, what the job of each asks for, and the expected core time in all, s."""
+    """The slabs of a study, the request of each slab's job, and the expected core time, s."""
 
     slabs: tuple[Slab, ...]
     requests: tuple[Request, ...]
@@ -54,12 +54,12 @@ def make_plan(
     alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
     observing: Sequence[Callable] = (),
 ) -> Plan:
-    """Cut a grid into slabs that are regular, along boundaries that no other value moves.
+    """Cut a grid into regular slabs, along boundaries that do not move if the grid grows.
 
-    model: name and options; alone: f0 (Hz) of cells that are followed beside the grid, by the key
-        of the config that names them
-    observing: each gives the time that an observer takes, s, for model, cells and settings
-    Raises ValueError, one line, for a model that cannot be built and a grid beyond all reason.
+    model: name and options
+    alone: f0 (Hz) of cells that are followed beside the grid, by the key of the config behind them
+    observing: functions of model, cells and settings that give the time of an observer, s
+    Raises ValueError, one line, for a model that cannot be built or a grid that takes too long.
     """
     axes, cells = grid.axes, math.prod(map(float, grid.shape))
     if cells > MOST_CELLS:
@@ -89,7 +89,7 @@ def make_plan(
     if DEVICE in axes:
         cost = cost.max(axis=[*axes].index(DEVICE))
     runs = _runs(axes, cost, model["name"] == "auto")
-    # Values of one copy each, as N is that of many slabs.
+    # Many slabs share one copy of their N.
     parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []
     for runs_of_slab in product(*parts):
@@ -104,16 +104,16 @@ def make_plan(
 
 
 def _runs(axes, cost, keeps_N):
-    """Cut each axis into runs of places.
+    """Cut each axis into runs of places, f0 first, until slabs are within JOB_SECONDS, SLAB_CELLS.
 
-    f0 is cut first, then others as long as the dearest slab is beyond JOB_SECONDS or SLAB_CELLS.
-    cost: of a cell, s, (axes of the device, f0); keeps_N: `auto` looks at neighbours along N
+    cost: expected time of a cell, s, (axes of the device, f0)
+    keeps_N: whether rows along N stay whole, as `auto` looks at neighbours
     """
     runs = {key: list(np.arange(axes[key].size)[:, np.newaxis]) for key in axes}
     if cost.sum() * axes["N"].size * axes["C"].size <= SHARED_SECONDS:
         runs["C"] = [np.arange(axes["C"].size)]
     cut = [key for key in axes if key not in SINGLE]
-    # As a share of what a slab may have, of all N.
+    # Shares of what a slab may have, of a whole row along N.
     left = (np.maximum(cost / JOB_SECONDS, 1 / SLAB_CELLS) * axes["N"].size)[..., np.newaxis]
     for key in ("f0", *cut[:-2], "N"):
         axis, size = cut.index(key), axes[key].size
@@ -128,11 +128,11 @@ def _runs(axes, cost, keeps_N):
 
 
 def _halved(run, bits, share):
-    """Halve a run of places, octaves first, until no part is beyond 1.
+    """Halve a run of places, octaves first, until no part has a share above 1.
 
-    The halves are those of a fixed binary tree over all floating-point numbers, so that a grid
-    that grows keeps every run without a new value.
-    bits: of the values on the axis; share: of what a slab may have, of each
+    The halves belong to a fixed binary tree over all floating-point numbers: if a grid grows, runs
+    without a new value stay.
+    bits: of the values on the axis; share: of each value, of what a slab may have
     """
     if run.size == 1 or share[run].sum() <= 1:
         return [run]
@@ -142,7 +142,7 @@ def _halved(run, bits, share):
 
 
 def _expected(grid, model, settings, f0, observing):
-    """Estimate the shortest step, us, and a cell's time by device and f0, s; mean over pulses."""
+    """Estimate the shortest time step, us, and the mean time of a cell, s, (devices, f0)."""
     built = choose_model(grid.device, model, settings.start).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses

@@ -1,4 +1,4 @@
-"""Figures of the core that a run draws: maps of cells and of thresholds, and curves."""
+"""The figures of the core that a run draws: maps of cells and of thresholds, and curves."""
 
 from typing import NamedTuple
 
@@ -8,11 +8,11 @@ from ..config.views import MAPS, View
 from ..study.axes import DIRECTION, SHAPE
 
 WORDS = {"snaps": "snap", "times": "time", "ends": "map"}
-"""What a map of cells shows, and the word with which its file's name begins."""
+"""Word with which the name of a figure's file begins, by what its maps of cells show."""
 
 
 class Maps(NamedTuple):
-    """A figure of maps of cells: its name, what it shows, and a view for each panel."""
+    """A figure with maps of cells: its name, what it shows (a key of WORDS), and its views."""
 
     name: str
     shows: str
@@ -20,7 +20,7 @@ class Maps(NamedTuple):
 
 
 class Views(NamedTuple):
-    """What is drawn of cells and thresholds.
+    """The figures of cells and thresholds.
 
     maps: figures of cells; fields: maps of thresholds; curves: thresholds over an axis
     """
@@ -31,7 +31,7 @@ class Views(NamedTuple):
 
     @property
     def stems(self) -> dict[str, list[str]]:
-        """Names of figures, by the caption that they have in the report."""
+        """Names of figures by their caption in the report."""
         snaps = [figure for figure in self.maps if figure.shows == "snaps"]
         return {
             "snap_maps": _names([*snaps, *self.fields]),
@@ -41,7 +41,7 @@ class Views(NamedTuple):
 
 
 def choose_views(study: Config) -> Views:
-    """Choose what is drawn of the cells and thresholds of a study."""
+    """Choose the figures of the cells and thresholds of a study."""
     of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
     shown = [key for key in WORDS if key != "ends" or study.settings.until == "settled"]
     figures = [(name, shows) for name in dict.fromkeys(_names(of_cells)) for shows in shown]
@@ -60,14 +60,14 @@ def choose_views(study: Config) -> Views:
 
 
 def _called(name, word):
-    """The name of a figure of maps that begins with another word than `map`."""
+    """Name a figure by the name of its views, with another word in place of `map`."""
     if word == "map":
         return name
     return f"{word}_{name}" if name == MAPS else f"{word}{name.removeprefix('map')}"
 
 
 def _with_shocks(view, study):
-    """A map with the required shocks, and whether each has the pulse of the map's cells."""
+    """Add the required shocks to a map, each with whether it has the pulse of the map's cells."""
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
     of_map = shape.section, direction, study.settings.start

@@ -1,4 +1,4 @@
-"""How far a run is: one line on a terminal, and the names of its stages in a log."""
+"""The progress of a run: one line on a terminal, and the names of its stages in a log."""
 
 import logging
 import signal
@@ -14,12 +14,12 @@ from tqdm import tqdm
 from .job_log import count_path
 
 CELLS, ALL_CELLS = "simulate_slab", "simulate_all"
-"""The rules whose jobs follow the cells of a slab, and all."""
+"""Names of the rules that follow the cells of a slab, and all cells."""
 WRAPPED = (
     "RuleException:\nCalledProcessError in file",
     "WorkflowError:\nAt least one job did not complete",
 )
-"""How faults begin that say nothing which the log of a job, shown beside them, does not."""
+"""Beginnings of messages that repeat the log of a job, which is shown beside them."""
 AGAIN = "Trying to restart job"
 NOTHING = "Nothing to be done"
 STOPPING = "Terminating processes on user request"
@@ -28,29 +28,29 @@ LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for t
 
 
 class Progress(logging.Handler):
-    """Listens to what Snakemake logs, and says it in brief."""
+    """A handler that sums up Snakemake's log."""
 
     def __init__(self, cells: Mapping[str, int], ended: Callable[[int], None]):
-        """Take the number of cells of each slab that is to be simulated, by its name.
+        """Take the numbers of cells of slabs to simulate, by their names.
 
-        ended: is called with the number of each job that has ended well
+        ended: is called with the number of each job that succeeds
         """
         super().__init__(logging.INFO)
         self.cells, self.ended, self.jobs, self.stages, self.done = cells, ended, {}, [], ""
         self.line, self.closed = tqdm(disable=True), Event()
 
     def begin(self) -> None:
-        """Draw the line, if there is a terminal, and draw it anew every second."""
+        """Draw the line if there is a terminal, and update it every second."""
         look = {"bar_format": LOOK, "leave": False, "file": sys.stderr}
         self.line = tqdm(total=sum(self.cells.values()), disable=None, **look)
         if not self.line.disable:
             Thread(target=self._tick, daemon=True).start()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take note of a job that starts or ends; other records are nothing to it."""
+        """Take note of jobs that start or end, of progress, and of the end of a stopped run."""
         event = str(getattr(record, "event", ""))
         if record.getMessage().startswith(STOPPING):
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # the jobs are being ended
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not disturb it
             Thread(target=_end_jobs, daemon=True).start()
         elif event == "job_info" and record.rule_msg:
             self.jobs[record.jobid] = record
@@ -85,7 +85,7 @@ class Progress(logging.Handler):
 
 
 class Idle(logging.Handler):
-    """Calls a function where Snakemake has nothing to run, as it then calls no hook."""
+    """A handler that calls a function if Snakemake has nothing to run, and so calls no hook."""
 
     def __init__(self, function: Callable[[], None]):
         """Take the function."""
@@ -93,13 +93,13 @@ class Idle(logging.Handler):
         self.function = function
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Wait for the words of Snakemake."""
+        """Call the function when Snakemake says that there is nothing to run."""
         if record.getMessage().startswith(NOTHING):
             self.function()
 
 
 def _stage(job):
-    """What a job does, and how many cells it has followed; those of CELLS are on the line."""
+    """Say what a job does, and how many cells it has followed unless the line counts them."""
     with suppress(OSError):
         if job.rule_name != CELLS:
             *_, cells = count_path(job.log[0]).read_text(encoding="utf-8").split("\n")
@@ -108,7 +108,7 @@ def _stage(job):
 
 
 def _end_jobs():
-    """End the processes of jobs, and those that are just being started."""
+    """End the processes of jobs again and again, as more may just be starting."""
     while True:
         for job in psutil.Process().children():
             job.terminate()
@@ -116,9 +116,9 @@ def _end_jobs():
 
 
 def hush(handler: logging.Handler) -> None:
-    """Keep from a handler of Snakemake all but warnings, faults, restarts; its log file has all.
+    """Keep all but warnings, faults and restarts from a handler of Snakemake; its log file has all.
 
-    A run that the user stops ends in one line: what its jobs then complain of is no fault.
+    A run that the user stops ends in one line, without the complaints of its jobs.
     """
     stopped = Event()
 
