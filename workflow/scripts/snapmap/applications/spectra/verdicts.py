@@ -1,4 +1,4 @@
-"""Spectra that must or must not trip a device, held against what it stands."""
+"""Verdicts on required vibration and required shock response spectra."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -22,11 +22,11 @@ def check_vibrations(
     C: Sequence[float],
     temperatures: Sequence[float] = (),
 ) -> list[Verdict]:
-    """Find the level at which each vibration trips a study's devices as likely as it may.
+    """Find the level of each vibration at which a trip is as probable as its requirement allows.
 
-    vibrations: name, psd, duration (s), snaps and probability of each; C: uN us/um
-    temperatures: degC; none: the devices' own
-    N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
+    vibrations: mappings of name, psd, duration (s), snaps and probability; C: uN us/um
+    temperatures: degC; empty for those of the devices
+    N, N_first, N_error of a verdict are levels in g rms; N_error is the wider half of the bounds.
     """
     verdicts = []
     for required, name, shaken in each_device(study, vibrations, temperatures):
@@ -52,12 +52,13 @@ def check_spectra(
     temperatures: Sequence[float] = (),
     records: int = SHOCKS,
 ) -> list[Verdict]:
-    """Find the factor of each spectrum from which a record of it snaps a study's devices.
+    """Find the factor of each spectrum from which a record snaps a study's devices.
 
-    spectra: name, srs (pairs of Hz and multiples of g), direction, or several, and snaps of each;
-        where it must snap, the factor is that from which all records do
-    C: uN us/um; temperatures: degC; none: the devices' own
-    N, N_first and N_error of a verdict are factors of the spectrum, with half the step about it.
+    spectra: mappings of name, srs (pairs of Hz and multiples of g), direction (or several), snaps;
+        if a device must snap, the factor is that from which all records snap it
+    C: uN us/um; temperatures: degC; empty for those of the devices
+    N, N_first and N_error of a verdict are factors of the spectrum; N_error is half the step
+    between two factors.
     """
     verdicts, drawn = [], {"records": records, "seed": SEED}
     for required, name, shaken in each_device(study, spectra, temperatures):
@@ -85,7 +86,11 @@ def _of_spectrum(study, required, name, C, drawn):
 
 
 def _verdict(required, place, snapped, low, high, level, error):
-    """place: of a verdict, shock and corner; low, high: between which the level lies."""
+    """Make a verdict.
+
+    place: its fields of shock and corner; low, high: bounds of the level, whose best estimate is
+        `level` with `error`
+    """
     N, must, verdict = place["N"], required["snaps"], UNCLEAR
     if low > N or high < N:
         verdict = MET if (high < N) == must else VIOLATED
