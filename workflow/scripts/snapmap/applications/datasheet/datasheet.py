@@ -55,30 +55,30 @@ def datasheet(
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
     of_C = f"C, {unit}"
+    head = ["requirement", "shock", "at, degC", of_C, "threshold", "of devices as made"]
+    head += ["margin", "verdict", "strength over stress", "breaks"]
     verdicts = [row | {"C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
-        head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
+        worst = [row for row, *_ in corners(of_device)]
+        heading = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         facts = _device(study, device, written[name])
-        sheets += [f"{head}\n", table(["device", "value"], facts)]
+        sheets += [f"{heading}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
         sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
-        unit = f"{plain(device.gravity * 1e6)} m/s^2"
-        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        head = ["requirement", "shock", "at, degC", of_C, "threshold"]
-        head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
-        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(of_device)))
-        words = f"Thresholds in multiples of {unit}, and over the required level"
+        level = f"{plain(device.gravity * 1e6)} m/s^2"
+        level = f"{device.force:g} uN on the midpoint" if device.force else level
+        words = f"Thresholds in multiples of {level}, and over the required level"
         words += "; of several shocks or temperatures the worst:\n"
-        sheets += [words, rows, PICTURE]
+        sheets += [words, table(head, (_verdict(row, batch) for row in worst)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
         for add in functions("in_datasheet"):
-            sheets += add(study, [row for row, *_ in corners(of_device)])
+            sheets += add(study, worst)
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]

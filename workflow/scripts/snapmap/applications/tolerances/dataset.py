@@ -162,12 +162,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     }
     named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
     named |= {"order": ["first", "total"], "value": plan.names}
-    if (N := axes.get("N")) is None:
-        known = first[np.isfinite(first)]
-        ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        below = geometric(*ends, AMPLITUDES)[:-1] if ends[0] < ends[1] else []
-        N = np.append(below, ends[1])  # to its last digit
-    N, along = np.unique(np.asarray(N, float)), (*groups, "N")
+    N, along = _amplitudes(axes.get("N"), first), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
         size = tolerances.followed(nominal.size * N.size)
@@ -175,15 +170,25 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         data |= _share("latched", count, size, along)
     if requirements:
         named["requirement"] = [required["name"] for required in requirements]
-        batches, values = [batch], batch.values
+        batches = [batch]
         if "temperature" in axes:
-            batches = []
-            for degrees in axes["temperature"]:
-                at = values | {"temperature": np.full(samples, degrees)}
-                tempered = device.at(degrees)
-                batches.append(Batch(tempered, at, study.model, choices, settings.start))
+            tempered = [
+                (device.at(degrees), batch.values | {"temperature": np.full(samples, degrees)})
+                for degrees in axes["temperature"]
+            ]
+            batches = [Batch(*pair, study.model, choices, settings.start) for pair in tempered]
         data |= _requirements(batches, study, requirements, C, tolerance)
     return xr.Dataset(data, groups | {"N": N} | named)
+
+
+def _amplitudes(N, first):
+    """The values of N, ascending; without any, the range of the thresholds of samples."""
+    if N is not None:
+        return np.unique(np.asarray(N, float))
+    known = first[np.isfinite(first)]
+    low, high = (known.min(), known.max()) if known.size else (1.0, 2.0)
+    below = geometric(low, high, AMPLITUDES)[:-1] if low < high else []
+    return np.append(below, high)  # `geometric` may round the last digit of the end
 
 
 def _share(name, count, size, dims):
