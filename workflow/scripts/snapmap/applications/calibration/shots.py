@@ -121,7 +121,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
     columns = shot_columns(table)
     tripped = columns["tripped"]
     if tripped.size < FEWEST:
-        raise ValueError(f"shots: {tripped.size} are too few; write {FEWEST} or more")
+        raise ValueError(f"shots: {tripped.size} rows are too few; write {FEWEST} or more")
     if tripped.all() or not tripped.any():
         what = "tripped" if tripped.all() else "did not trip"
         raise ValueError(

@@ -132,7 +132,8 @@ def _single_shocks(requirements):
     singles = []
     for required in requirements:
         if required["snaps"] == ANY:
-            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
+            line = f"{required['name']}: snaps: any has no threshold; write true or false"
+            raise ValueError(f"requirements: {line}")
         several = required["shocks"].each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
@@ -261,10 +262,8 @@ def _single(value, N, grid, N_first, values, errors):
     unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
-        runs = (
-            f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
-        )
-        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
+        runs = f"is {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
+        raise ValueError(f"{value}: no value {ends} gives N = {N:g}; the threshold {runs}")
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)
         line = f"{value}: thresholds {ends} are not monotone; at {places} {unit} they are {N:g}"

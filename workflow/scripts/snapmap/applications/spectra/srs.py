@@ -70,7 +70,7 @@ def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Return a spectrum's points as an array, (points, 2); raises ValueError for invalid ones."""
     points = argument_of(Levels).take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
-        raise ValueError(f"srs: its frequencies span more than 1:{MOST_SPAN}")
+        raise ValueError(f"srs: frequencies span more than 1:{MOST_SPAN}; write a narrower range")
     return points
 
 
