@@ -42,8 +42,8 @@ class Verdict(NamedTuple):
     margin: float
     margin_error: float
     verdict: str
-    scale: float
-    scale_first: float
+    scale: float = np.nan
+    scale_first: float = np.nan
     start: str = FIRST
 
 

@@ -16,7 +16,6 @@ SECONDS, PERIODS = 1.0, 10.0
 PER_PERIOD = 16
 """Samples in a period of the highest frequency. Straight lines between them lower its amplitude by
 1.3 %, which `record` corrects, and add images of 0.4 %."""
-
 MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
@@ -25,8 +24,7 @@ Records = Annotated[int, integer(1, 10_000)]
 
 
 class Spectrum:
-    """One-sided power spectral density of the frame's acceleration, straight between its points on
-    logarithmic scales.
+    """One-sided density of the frame's acceleration, straight between points on logarithmic scales.
 
     points: pairs of frequency (Hz) and density (g^2/Hz), ascending; ValueError for invalid ones
     """

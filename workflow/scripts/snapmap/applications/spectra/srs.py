@@ -124,8 +124,5 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
 
 
 def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
-    """Return the approximate core time to draw a record of a spectrum, s.
-
-    pulse: another record of this spectrum
-    """
+    """Forecast the core time to draw a record of a spectrum, s; pulse: another of its records."""
     return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)

@@ -24,7 +24,6 @@ from .srs import Levels, check_points, draw_seconds, record
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
 """Factors of the spectrum at which its records are followed: from 12 dB below to 12 dB above."""
-
 PER_RECORD = 120
 """Time that a record takes, over that of a run as forecast: 12 levels, each ten times as long."""
 
@@ -70,8 +69,7 @@ def trips_of(
 ) -> xr.Dataset:
     """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
 
-    axes: values of the device, and C; points: as `check_points` returns them
-    drawn: number of `records`, and `seed`
+    axes: values of the device, and C; points: of `check_points`; drawn: number of records, seed
     """
     seeds = [[drawn["seed"], number] for number in range(drawn["records"])]
     records = [record(points, seeds[0])]
@@ -130,8 +128,7 @@ def snap_times(
     """Find when records at levels snap rows, us, (rows, records, levels).
 
     rows: their f0 and pulse do not matter; records: pulses with their peaks, multiples of g
-    levels: factors of the records
-    NaN is a run without a snap, -inf a failed run.
+    levels: factors of the records. A run without a snap has NaN, a failed run -inf.
     """
     pulses, peaks = zip(*records, strict=True)
     device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]

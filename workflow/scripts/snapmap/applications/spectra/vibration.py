@@ -133,10 +133,10 @@ def vibration_of(
 def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:
     """Count snaps at rungs around the given level, rung 0, from where none snaps to where all do.
 
-    follow: a function of indices of rows and a level that returns snaps, failed and time
+    follow: a function of row numbers and a level that returns snaps, failed and time, (3, rows)
     exists: rows that have a device
-    Returns (snaps, failed, time), (3, rows), by rung; NaN for rows not followed there. Every rung
-    counts near the lowest snap, every STRIDE-th elsewhere.
+    Returns the same by rung, every one near the lowest snap, else every STRIDE-th; NaN for rows
+    not followed there.
     """
     ladder = {}
 
