@@ -1,1 +1,1 @@
-"""What is measured of the solver and of one device; a user runs these on theirs."""
+"""Studies that measure the solver; users can run them on their own devices."""

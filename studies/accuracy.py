@@ -1,9 +1,9 @@
-"""Speed against error as a work-precision diagram: docs/accuracy.md and the README's figure.
+"""Speed against error as a work-precision diagram, for docs/accuracy.md and the README's figure.
 
 ./run python -m studies accuracy [--device SECTION] [--small]
 
-Writes results/accuracy.csv, results/accuracy.md and results/figures/accuracy.pdf and .png. SciPy
-takes part, too.
+Writes results/accuracy.csv, results/accuracy.md and results/figures/accuracy.pdf and .png. The
+comparison includes SciPy.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,17 +23,26 @@ from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import refine
 
-from .common import command_device, cpu_seconds, few, is_small, machine, number, ratio, results
+from .common import (
+    command_device,
+    cpu_seconds,
+    few,
+    is_small,
+    machine,
+    number,
+    ratio,
+    results,
+    threshold_near,
+)
 from .scipy_solver import TOLERANCE, Follow, by_scipy
 
 SPEEDS = {"slow": (0.02, 0.1), "fast": (0.5, 6.0)}
-"""Frequencies of pulses over the device's own."""
+"""Ranges of pulse frequencies, over the device's own frequency."""
 F0_COUNT, DAMPINGS = 20, (0.05, 0.2, 0.8)
-"""How many frequencies of each speed; dampings over sqrt(K M)."""
+"""Number of frequencies of each speed; dampings over sqrt(K M)."""
 FACTORS = (4.0, 2.0, 1.0, 0.5, 0.25)
-"""Ladder of steps, over those that thresholds take."""
+"""Time steps, over the default steps of thresholds."""
 MODELS = {
     "3 cosines": {"name": "cosines", "modes": 3},
     "5 cosines": {"name": "cosines", "modes": 5},
@@ -42,18 +51,17 @@ MODELS = {
 }
 HANDOUT, PLAIN = "5 elements", "plain loop, 5 elements"
 REFERENCE, COARSER = 16, 12
-"""Cosines of the reference, and fewer, to see its error."""
+"""Numbers of cosines of the reference, and of a coarser model that shows its error."""
 FINE = 0.125
-"""Its steps over those that thresholds take; twice as long ones show their error."""
+"""Steps of the reference over the default ones; twice as long steps show their error."""
 AGREED, RESOLVED, NEAR = 1e-4, 1e-3 if is_small() else 1e-7, 1.04
-"""Rows whose references agree so well are posed; thresholds are refined so far; reach, as a factor.
-"""
+"""Largest error of the reference in a posed row; tolerance of thresholds; factor on a row's N
+within which they are searched."""
 MAP = np.linspace(0.6, 1.8, 33)
-"""Amplitudes over the threshold, of the cells whose time counts; of every fourth for the slow."""
+"""Amplitudes of the timed cells, over the threshold; slow solvers get every fourth."""
 STRIDE, FEWER = 6, 30
-"""Of the posed rows, every so many-th is followed by those who are slow, and by SciPy, which takes
-seconds for a cell of a fast pulse and half a minute for one of a slow pulse: it is left out there.
-"""
+"""Strides through the posed rows for the plain loop and for SciPy. SciPy skips slow pulses, as a
+cell takes it half a minute there, against seconds for a fast pulse."""
 ROUNDS = 3
 SETTINGS = Settings(until="edge", repeat=False)
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
@@ -62,7 +70,7 @@ LOOKS |= {"SciPy DOP853": ("0.4", "X")}
 
 
 class Posed(NamedTuple):
-    """Rows with a threshold that the references agree on: f0 (Hz), C (uN us/um), N, own error."""
+    """Rows whose references agree: f0 (Hz), C (uN us/um), threshold N and its relative error."""
 
     f0: np.ndarray
     C: np.ndarray
@@ -70,14 +78,14 @@ class Posed(NamedTuple):
     error: np.ndarray
 
     def every(self, stride: int) -> "Posed":
-        """Each `stride`-th of them."""
+        """Return every `stride`-th row."""
         return Posed(*(column[::stride] for column in self))
 
 
 class Entry(NamedTuple):
-    """Who follows cells at one setting.
+    """A solver at one setting.
 
-    edge, timed: by whom the threshold is found, and by whom the map's cells are followed
+    edge, timed: functions that follow cells, for the threshold, and for the timed map
     """
 
     name: str
@@ -103,21 +111,16 @@ def main() -> None:
 
 
 def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[dict]:
-    """A point for each entry: the spread of its error over the posed rows, and its speed."""
+    """Yield a point for each entry: the spread of its error over the posed rows, and its speed."""
     posed = find_posed(device, few(np.geomspace(*ends, F0_COUNT)[::-1], 1), few(DAMPINGS))
     for entry in entries(device):
         if speed not in entry.speeds:
             continue
-        rows = posed.every(entry.stride)
+        rows, is_slow = posed.every(entry.stride), entry.stride > 1
         error = abs(edge(device, entry.edge, rows) / rows.N - 1)
-        N = rows.N[:, np.newaxis] * few(MAP[:: 4 if entry.stride > 1 else 1], 5)
-        cells = cells_of(device, rows, N)
-        seconds = (
-            cpu_seconds(
-                partial(entry.timed, cells), ROUNDS if entry.stride == 1 and not is_small() else 1
-            )
-            / N.size
-        )
+        N = rows.N[:, np.newaxis] * few(MAP[:: 4 if is_slow else 1], 5)
+        rounds = 1 if is_slow else few(ROUNDS)
+        seconds = cpu_seconds(partial(entry.timed, cells_of(device, rows, N)), rounds)
         known = error[np.isfinite(error)]
         median, most = np.quantile(known, [0.5, 0.9]) if known.size else (np.nan, np.nan)
         yield {
@@ -129,13 +132,13 @@ def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[d
             "median": median,
             "90 %": most,
             "largest": known.max() if known.size else np.nan,
-            "simulations/s": 1 / seconds,
+            "simulations/s": N.size / seconds,
             "reference": np.quantile(posed.error, 0.9),
         }
 
 
 def entries(device: Device) -> Iterator[Entry]:
-    """Our models over the ladder of steps, then whom users would take instead."""
+    """Yield our models at each step, then the solvers that users would take instead."""
     ladder = few(FACTORS, 2)
     for factor in ladder:
         levels = build_adaptive(device).with_step(factor)
@@ -157,36 +160,33 @@ def by_model(model: Model) -> Follow:
 
 
 def flattened(follow: Follow) -> Follow:
-    """The same for cells of any shape."""
+    """Make a function of cells (n,) one of cells of any shape."""
     return lambda cells: follow(cells.flat()).reshape(cells.f0.shape)
 
 
 def cells_of(device: Device, rows: Posed, N: np.ndarray) -> Cells:
-    """Cells of amplitudes N, (rows, n)."""
+    """Make cells of rows at amplitudes N, (rows, n)."""
     f0, C = rows.f0[:, np.newaxis], rows.C[:, np.newaxis]
     return to_cells(device, 0, N, f0, C, SETTINGS.horizon)
 
 
 def edge(device: Device, follow: Follow, rows: Posed) -> np.ndarray:
-    """Threshold of each row, if it lies within NEAR of N, (rows,)."""
+    """Find the threshold of each row, (rows,); NaN if it is not within NEAR of N."""
 
     def ask(N):
-        given = np.isfinite(N)
-        asked = Posed(*(np.broadcast_to(x[:, np.newaxis], N.shape)[given] for x in rows))
+        known = np.isfinite(N)
+        of_cells = Posed(*(np.broadcast_to(x[:, np.newaxis], N.shape)[known] for x in rows))
         t_snap = np.full(N.shape, np.nan)
-        t_snap[given] = follow(cells_of(device, asked, N[given][:, np.newaxis]))[:, 0]
+        t_snap[known] = follow(cells_of(device, of_cells, N[known][:, np.newaxis]))[:, 0]
         return t_snap
 
-    low, high = rows.N / NEAR, rows.N * NEAR
-    snapped = np.isfinite(ask(np.column_stack([low, high])))
-    there = ~snapped[:, 0] & snapped[:, 1]
-    return refine(ask, *(np.where(there, end, np.nan) for end in (low, high)), RESOLVED)[1]
+    return threshold_near(ask, rows.N, NEAR, RESOLVED)
 
 
 def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) -> Posed:
-    """Rows that are clean, and on which references of other modes and steps agree.
+    """Find rows that are not ragged, and in which references of other modes and steps agree.
 
-    speeds: frequencies over the device's own; dampings: over sqrt(K M)
+    speeds: pulse frequencies over the device's own frequency; dampings: over sqrt(K M)
     """
     f0 = speeds * device.own_frequency / (2 * np.pi) * 1e6
     C = np.array(dampings) * np.sqrt(device.spring * device.mass)
@@ -208,7 +208,7 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
 
 
 def report(points: pd.DataFrame) -> str:
-    """All points, and how many times as fast `auto` is at equal error, as Markdown."""
+    """Write all points, and the speed of `auto` over that of others at equal error, in Markdown."""
     percent = ["median", "90 %", "largest"]
     head = ["pulses", "model", "step or tolerance", "rows", *percent, "simulations/s"]
     rows = [
@@ -217,8 +217,8 @@ def report(points: pd.DataFrame) -> str:
         + [number(p["simulations/s"])]
         for p in points.to_dict("records")
     ]
-    own = points.groupby("pulses", sort=False)["reference"].first()
-    facts = "; ".join(f"{speed} {number(100 * error)} %" for speed, error in own.items())
+    errors = points.groupby("pulses", sort=False)["reference"].first()
+    facts = "; ".join(f"{speed} {number(100 * error)} %" for speed, error in errors.items())
     gains = [
         [name, *(gain(points[points.pulses == speed], name) for speed in SPEEDS)]
         for name in dict.fromkeys(points.model)
@@ -233,22 +233,21 @@ def report(points: pd.DataFrame) -> str:
 
 
 def gain(points: pd.DataFrame, name: str) -> str:
-    """Speed of `auto` over another's where both make the same median error: median (range)."""
-    ours, theirs = (front(points[points.model == one]) for one in ("auto", name))
-    if not (ours.size and theirs.size):
+    """Write the speed of `auto` over that of a model at equal median error: median (range)."""
+    auto, other = (front(points[points.model == model]) for model in ("auto", name))
+    if not (auto.size and other.size):
         return DASH
-    low = max(ours[0, 0], theirs[0, 0])
-    high = min(ours[0, -1], theirs[0, -1]) if theirs.shape[1] > 1 else low
-    errors = np.geomspace(low, max(low, high), 9)
-    ours, theirs = (np.exp(np.interp(np.log(errors), *np.log(one))) for one in (ours, theirs))
-    times = ours / theirs
+    low = max(auto[0, 0], other[0, 0])
+    high = min(auto[0, -1], other[0, -1]) if other.shape[1] > 1 else low
+    errors = np.log(np.geomspace(low, max(low, high), 9))
+    times = np.exp(np.interp(errors, *np.log(auto))) / np.exp(np.interp(errors, *np.log(other)))
     return f"{ratio(np.median(times))} ({ratio(times.min())} to {ratio(times.max())})"
 
 
 def front(points: pd.DataFrame) -> np.ndarray:
-    """Errors, ascending, and the highest speed with at most that error, (2, points)."""
+    """Return errors, ascending, and the highest speed with at most that error, (2, points)."""
     known = points.dropna(subset="median").sort_values("median")
-    errors = known["median"].clip(lower=RESOLVED)  # what is refined no further may agree exactly
+    errors = known["median"].clip(lower=RESOLVED)  # smaller ones are below the refinement
     return np.array([errors, known["simulations/s"].cummax()])
 
 
@@ -270,11 +269,10 @@ def draw_speed(ax: Axes, points: pd.DataFrame) -> None:
         y = of_model["simulations/s"]
         ax.plot(x, y, color=colour, marker=marker, label=name)
         ax.hlines(y, x, far, color=colour, alpha=0.35, linewidth=1.5)
-    own = points[(points.model == HANDOUT) & (points.setting == "1")]
-    ring = {"marker": "o", "markersize": 8, "fillstyle": "none", "linestyle": ""}
-    ax.plot(
-        100 * own["median"], own["simulations/s"], color="k", label="the handout's setting", **ring
-    )
+    handout = points[(points.model == HANDOUT) & (points.setting == "1")]
+    ring = {"marker": "o", "markersize": 8, "fillstyle": "none", "linestyle": "", "color": "k"}
+    ring["label"] = "the handout's setting"
+    ax.plot(100 * handout["median"], handout["simulations/s"], **ring)
     error = 100 * points["reference"].iloc[0]
     ax.axvline(error, color="0.6", linewidth=0.6, label="error of the reference")
     ax.set(xscale="log", yscale="log", xlabel="error of the threshold (%)")

@@ -1,4 +1,4 @@
-"""What the studies share: how much is run, on which device and machine, where results go, times."""
+"""Functions that studies share: options of the command, files, thresholds, times and numbers."""
 
 import argparse
 import json
@@ -21,18 +21,19 @@ from snapmap.config.devices import read_device
 from snapmap.device.device import Device
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
+from snapmap.thresholds.search import refine
 
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = "--small"
 
 
 def is_small() -> bool:
-    """Whether the command asks for a small run, which just shows that the study runs."""
+    """Whether the command asks for a small run, which only shows that the study works."""
     return SMALL in sys.argv[1:]
 
 
 def few(values: Sequence | Mapping | int, count: int = 1) -> Sequence | Mapping | int:
-    """All values, or how many there are; in a small run the first `count`."""
+    """Return the values, or their number, and in a small run only the first `count`."""
     if not is_small():
         return values
     if isinstance(values, int):
@@ -41,32 +42,43 @@ def few(values: Sequence | Mapping | int, count: int = 1) -> Sequence | Mapping 
 
 
 def command_device() -> Device:
-    """The device of the section that the command gives as JSON, or the handout's."""
+    """Read the device of the option --device, a config in JSON, or the handout's device."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--device", type=json.loads)
-    given = parser.parse_known_args()[0].device
-    return read_device(given["device"]) if given else load_device(ROOT / "config" / "config.yaml")
+    config = parser.parse_known_args()[0].device
+    return read_device(config["device"]) if config else load_device(ROOT / "config" / "config.yaml")
 
 
 def results(name: str) -> Path:
-    """Path of a result in the folder of the run, which is made."""
+    """Return the path of a result, and make its folder."""
     path = Path("results") / name
     path.parent.mkdir(parents=True, exist_ok=True)
     return path
 
 
 def stepped(model: Model, dt: float) -> Model:
-    """The model of one device with a step of dt, us, whatever its rule says."""
+    """Return the model of one device with the fixed time step dt, us."""
     return replace(model, steps=fixed(np.array([dt])))
 
 
 def bending_limit(model: Model) -> float:
-    """2/omega_max, us, of linear bending and of the mass on its spring, of one device."""
+    """Return 2/omega_max, us, of linear bending and of the mass on its spring, of one device."""
     return float(min(2 / np.sqrt(model.modal.stiffness[-1]), 2 / model.device.mass_frequency))
 
 
+def threshold_near(ask: Callable, N: np.ndarray, factor: float, tolerance: float) -> np.ndarray:
+    """Find the threshold of each row within a factor of N, (rows,); NaN if it is not there.
+
+    ask: function of N, (rows, n), that returns t_snap; tolerance: relative
+    """
+    low, high = N / factor, N * factor
+    snapped = np.isfinite(ask(np.column_stack([low, high])))
+    is_near = ~snapped[:, 0] & snapped[:, 1]
+    return refine(ask, *(np.where(is_near, end, np.nan) for end in (low, high)), tolerance)[1]
+
+
 class Run(NamedTuple):
-    """A task's result, and the time that it took, s."""
+    """The result of a task, and its time, s."""
 
     result: Any
     seconds: float
@@ -75,7 +87,7 @@ class Run(NamedTuple):
 def take_turns(
     tasks: dict, rounds: int, clock: Callable = perf_counter, of_rounds: Callable = min
 ) -> dict[Any, Run]:
-    """Run every task `rounds` times, in turns, A B C A B C ...; by default the shortest counts."""
+    """Run tasks in turns, A B C A B C ..., `rounds` times; by default the shortest time counts."""
     results, times = {}, {name: [] for name in tasks}
     for _ in range(rounds):
         for name, task in tasks.items():
@@ -86,33 +98,33 @@ def take_turns(
 
 
 def cpu_seconds(task: Callable, rounds: int) -> float:
-    """CPU time of a task, s, the least of rounds."""
+    """Measure the CPU time of a task, s, the least of rounds."""
     return take_turns({0: task}, rounds, process_time)[0].seconds
 
 
 def versions(*packages: str) -> str:
-    """Python's and those of packages, as far as they are installed."""
+    """Write the versions of Python and of packages, or that a package is missing."""
     known = (f"{name} {version(name)}" if find_spec(name) else f"no {name}" for name in packages)
     return ", ".join([f"Python {platform.python_version()}", *known])
 
 
 def machine() -> str:
-    """The processor's name as Linux gives it, else its architecture."""
+    """Return the processor's name from Linux, or else its architecture."""
     info = Path("/proc/cpuinfo")
     name = re.search(r"model name\s*: (.*)", info.read_text()) if info.exists() else None
     return name[1] if name else platform.machine()
 
 
 def number(value: float) -> str:
-    """Write three significant digits, thousands apart: 5 140, 0.61."""
+    """Write three significant digits, with spaces between thousands: 5 140, 0.61."""
     return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
 
 
 def rate(count: int, seconds: float) -> str:
-    """Write how many there are in a second."""
+    """Write a number per second."""
     return number(count / seconds)
 
 
 def ratio(value: float) -> str:
-    """Write how many times as much it is, or by its inverse: 12.3, 1/420."""
+    """Write a ratio, or its inverse if that is larger: 12.3, 1/420."""
     return number(value) if value >= 1 else f"1/{number(1 / value)}"

@@ -1,10 +1,10 @@
-"""How many thresholds of random devices lie within their error bars: docs/accuracy.md.
+"""The share of thresholds of random devices within their error bars, for docs/accuracy.md.
 
 ./run python -m studies coverage [devices] [any] [--small]
 
-With `any`, `auto` alone is judged, on devices with gaps, stops and stress, at other temperatures,
-of other shapes, free to tilt, under all shapes of pulse, slow ones among them, and along both
-directions. Frequencies that take the judges too many steps are left out, and counted.
+With `any`, only `auto` is judged, on devices with gaps, stops and stress, at other temperatures,
+of other shapes and free to tilt, under pulses of all shapes in both directions, also slow ones.
+Frequencies that take the judges too many steps are left out, and counted.
 """
 
 import sys
@@ -34,8 +34,6 @@ from .random_devices import (
 
 SEED, DEVICES, THREADS = 53, 24, 2
 KEYS = "N_first", "N_error", "status", "ragged"
-
-
 MODELS = {
     "auto": {"model": "auto"},
     "5 elements": {"model": "elements"},
@@ -46,15 +44,16 @@ JUDGES = (
     {"name": "elements", "elements": 20, "modes": 12},
 )
 JUDGED_STEP = 0.2
-"""Two discretisations, far finer than what is judged, in a fifth of its steps; what they agree on
-is well posed."""
+"""The judges are two far finer discretisations in a fifth of the default steps. A threshold on
+which they agree is well posed."""
 MOST_STEPS = 1e6
-"""Steps of a run of the judges beyond which a row is left out: smooth pulses are not so slow, but
-those with corners, across gaps or between stops are. Half an hour judges 150 devices."""
+"""Largest number of steps of a judge's run; rows that need more are left out. Only pulses with
+corners need as many, across gaps or between stops. 150 devices take half an hour."""
 AGREED, REFINED = 3e-4, 1e-5
+"""Largest difference between judges that agree, and tolerance of their thresholds; relative."""
 REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP
-"""About a threshold found before, the judges look this far around it in turn, for stretches as
-wide as thresholds are told to see."""
+"""Factors on a threshold within which the judges search in turn, and the width of the stretches
+that they see, as wide as `threshold` promises to see."""
 HORIZON = 1500.0
 HEAD = ["model", "well posed", "within the bar", "share", "clean", "within", "largest, bars"]
 HEAD += ["missed", "nothing snaps", "not followed", "NaN without a reason", "failed"]
@@ -62,11 +61,11 @@ HEAD += ["s per threshold", "bar"]
 
 
 def main():
-    given = [word for word in sys.argv[1:] if word not in (SMALL, "any")]
-    count, of_all = few(int(given[0]) if given else DEVICES), "any" in sys.argv[1:]
+    words = [word for word in sys.argv[1:] if word not in (SMALL, "any")]
+    count, of_all = few(int(words[0]) if words else DEVICES), "any" in sys.argv[1:]
     models = {"auto": MODELS["auto"]} if of_all else MODELS
     draw, long = np.random.default_rng(SEED), []
-    found = {name: [] for name in models}
+    judged = {name: [] for name in models}
     for _ in range(count):
         device, shocks, f0, C, is_long = draw_rows(draw, of_all)
         long += [*is_long]
@@ -77,13 +76,13 @@ def main():
         about = next(run.result[0] for run in runs.values() if run.result)
         truth = judge(device, f0, C, about, shocks)
         for name, run in runs.items():
-            found[name].append((run, truth))
+            judged[name].append((run, truth))
     print(f"{count} devices; {np.sum(long)} of {len(long)} frequencies are too slow to judge\n")
-    print(table(HEAD, [[name, *summary(runs)] for name, runs in found.items()]))
+    print(table(HEAD, [[name, *summary(runs)] for name, runs in judged.items()]))
 
 
 def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
-    """Device, shocks, f0 (Hz), C (uN us/um), and at which f0 runs of the judges take MOST_STEPS."""
+    """Draw a device, shocks, f0 (Hz), C (uN us/um), and a mask of the f0 that need MOST_STEPS."""
     device = draw_widest_device(draw) if of_all else draw_device(draw)
     shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
     slowest = SLOWEST if of_all else FREQUENCIES[0]
@@ -95,17 +94,17 @@ def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
 
 
 def is_clean(run: Run) -> np.ndarray:
-    """Which rows have a threshold and are not ragged, (thresholds,)."""
+    """Return a mask of the rows that have a threshold and are not ragged, (thresholds,)."""
     N, _, _, ragged = run.result
     return np.isfinite(N) & (ragged == 0)
 
 
 def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
-    """N_first, N_error, status and ragged, (thresholds,), or None after an exception; its time."""
-    asked = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
+    """Find N_first, N_error, status and ragged, (thresholds,), or None after a ValueError."""
+    how = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
     begin = perf_counter()
     try:
-        answer = threshold(device, f0, C, horizon=HORIZON, **asked, **options)
+        answer = threshold(device, f0, C, horizon=HORIZON, **how, **options)
         answer = tuple(answer[key].values.ravel() for key in KEYS)
     except ValueError as error:
         print(f"{device}: {error}")
@@ -114,7 +113,10 @@ def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
 
 
 def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:
-    """Thresholds, (thresholds,), NaN where the judges do not agree, or one finds none."""
+    """Find the thresholds on which the judges agree, (thresholds,), else NaN.
+
+    about: thresholds near which they search
+    """
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
     settings = Settings(HORIZON, threads=THREADS)
     judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
@@ -124,19 +126,19 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
 
 
 def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
-    """Thresholds by one judge, (thresholds,); NaN where there is none within REACHES."""
-    found = np.full(about.size, np.nan)
+    """Find thresholds by one judge, (thresholds,); NaN if there is none within REACHES."""
+    N = np.full(about.size, np.nan)
     for reach in REACHES:
-        left = np.flatnonzero(np.isnan(found))
+        left = np.flatnonzero(np.isnan(N))
         bracket = about[left] / reach, about[left] * reach
-        found[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, WIDTH)
-    return found
+        N[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, WIDTH)
+    return N
 
 
 def ratios(runs, of_clean: bool = False) -> np.ndarray:
-    """Errors over their bars where the threshold is well posed; inf where none was found.
+    """Return errors of well-posed thresholds over their bars; inf for a missing threshold.
 
-    of_clean: of clean rows alone
+    of_clean: whether only rows that are not ragged count
     """
     each = []
     for run, truth in runs:
@@ -148,9 +150,9 @@ def ratios(runs, of_clean: bool = False) -> np.ndarray:
 
 
 def summary(runs):
-    """A row of the table."""
+    """Write the cells of a row of the table."""
     over, clean = ratios(runs), ratios(runs, of_clean=True)
-    asked = sum(truth.size for _, truth in runs)
+    size = sum(truth.size for _, truth in runs)
     N, status = (np.concatenate([run.result[i] for run, _ in runs if run.result]) for i in (0, 2))
     bars = np.concatenate([run.result[1] / run.result[0] for run, _ in runs if run.result])
     return [
@@ -164,7 +166,7 @@ def summary(runs):
         *(str(np.sum(status == reason)) for reason in (NOTHING_SNAPS, NOT_FOLLOWED)),
         str(np.sum(np.isnan(N) & (status == FOUND))),
         str(sum(run.result is None for run, _ in runs)),
-        number(sum(run.seconds for run, _ in runs) / asked),
+        number(sum(run.seconds for run, _ in runs) / size),
         f"{np.nanmedian(bars):.2%}",
     ]
 

@@ -1,4 +1,4 @@
-"""How well the law of the dwell time holds on random devices: docs/applications/laws.md.
+"""The accuracy of the law of the dwell time on random devices, for docs/applications/laws.md.
 
 ./run python -m studies laws [--small]
 """
@@ -22,10 +22,10 @@ from .random_devices import even
 
 SEED, DEVICES = 55, 100
 RATIOS = {0.02: 2e-3, 0.05: 1e-2, 0.1: 3e-2}
-"""pi f0 / sigma, and how far around the law a threshold is sought, relative."""
+"""Values of pi f0 / sigma, each with the relative distance from the law to search thresholds."""
 PARTS, TOLERANCE, WITHIN = 8, 2e-6, (1e-4, 1e-3, 1e-2)
 MODEL, STEP = {"name": "cosines", "modes": 11}, 0.5
-"""What decides, and its steps over the usual ones."""
+"""The model, and its steps over the default ones."""
 DAMPING = 0.02
 """C over sqrt(K M)."""
 HEAD = ["pi f0/sigma", "thresholds", "excess over the law: 10 %", "median", "90 %"]
@@ -33,14 +33,13 @@ HEAD += ["error of N: median", "90 %", "largest", *(f"within {share:g}" for shar
 
 
 def main():
-    """Print how far thresholds lie from the law."""
     draw = np.random.default_rng(SEED)
     devices = batch([draw_device(draw) for _ in range(few(DEVICES, 2))])
     print(table(HEAD, (_row(devices, *ratio) for ratio in few(RATIOS).items())))
 
 
 def draw_device(draw: np.random.Generator) -> Device:
-    """A device of which the law is meant to hold."""
+    """Draw a device within the assumptions of the law."""
     thickness = even(draw, 0.5, 5.0)
     beam = Beam(
         span=300 * thickness,

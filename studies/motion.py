@@ -1,4 +1,4 @@
-"""By how much models and steps move the motion after the snap: docs/accuracy.md.
+"""The effect of models and steps on the motion after the snap, for docs/accuracy.md.
 
 ./run python -m studies motion
 """
@@ -27,7 +27,7 @@ MODELS = {
     "5 elements": {"name": "elements"},
 }
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
-"""What models are held against: which of them, its step, us, and one to hold that against."""
+"""Name of the reference, its step, and another step that shows its error, us."""
 SETTINGS = Settings(horizon=1000.0)
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
@@ -35,7 +35,7 @@ HEAD += ["reported: median", "third quartile", "largest"]
 
 
 class Moved(NamedTuple):
-    """How the cells moved; (cells,): work of the pulse, pJ; snap, us; highest z_M, um."""
+    """Work of the pulse, pJ; snap, us; highest z_M from rest, um; (cells,)."""
 
     work: np.ndarray
     t_snap: np.ndarray
@@ -44,52 +44,52 @@ class Moved(NamedTuple):
 
 def main():
     device = load_device(ROOT / "config" / "damped.yaml")
-    models = []
+    rows = []
     for contact in few(CONTACTS):
-        one = replace(device, contact=contact)
-        built = {name: build_model(one, **options) for name, options in few(MODELS, 3).items()}
-        finest = follow(stepped(built[FINEST], FINE))
-        built[FINEST + ", fine"] = stepped(built[FINEST], OTHER)
-        for name, model in built.items():
+        held = replace(device, contact=contact)
+        models = {name: build_model(held, **options) for name, options in few(MODELS, 3).items()}
+        finest = follow(stepped(models[FINEST], FINE))
+        models[FINEST + ", fine"] = stepped(models[FINEST], OTHER)
+        for name, model in models.items():
             off = compare(follow(model), finest)
             dt = model.steps.longest[MOVE].item()
-            models.append([f"{contact:g}", name, number(dt), *off, *spread(told(model))])
-    print(table(HEAD, models))
+            rows.append([f"{contact:g}", name, number(dt), *off, *spread(work_errors(model))])
+    print(table(HEAD, rows))
 
 
 def cells_of(device):
+    """Make the cells of a device, all N at each F0, (cells,)."""
     f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     return to_cells(device, 0, amplitude, f0, C, SETTINGS.horizon).take(np.arange(f0.size))
 
 
 def follow(model):
-    """Follow the cells with the model's own step."""
+    """Follow the cells with the default step of the model."""
     cells = cells_of(model.device)
-    seen = model.follow_once(cells, SETTINGS._replace(until="moved"))
+    observed = model.follow_once(cells, SETTINGS._replace(until="moved"))
     dt = model.steps.of(cells, MOVE)
     steps = np.ceil(cells.t_end / dt).astype(int)
     shocks = zip(*cells[2:5], dt, steps, strict=True)
     runs = [record(model, cells.pulses[0], *shock)[1] for shock in shocks]
     highest = np.array([max(part.y.max() for part in parts) for parts in runs])
-    return Moved(seen.pulse_work, seen.t_snap, highest)
+    return Moved(observed.pulse_work, observed.t_snap, highest)
 
 
-def compare(found, converged):
-    """Spread of the error of the work, median of that of the snap, and the largest of z."""
-    snap = np.nanmedian(abs(found.t_snap - converged.t_snap))
-    highest = abs(found.highest - converged.highest).max()
-    return [*spread(abs(found.work / converged.work - 1)), number(snap), number(highest)]
+def compare(moved, converged):
+    """Write the spread of the errors of the work, the median of the snap's, the largest of z's."""
+    snap = np.nanmedian(abs(moved.t_snap - converged.t_snap))
+    highest = abs(moved.highest - converged.highest).max()
+    return [*spread(abs(moved.work / converged.work - 1)), number(snap), number(highest)]
 
 
-def told(model):
-    """What a cube says of the error of the work of each cell."""
-    cells = cells_of(model.device)
-    seen, again = (one.follow(cells, SETTINGS) for one in (model, model.with_step(REPEATED_STEP)))
-    return work_error(seen, again)
+def work_errors(model):
+    """Estimate the error of the work of each cell as a cube does, (cells,)."""
+    cells, models = cells_of(model.device), (model, model.with_step(REPEATED_STEP))
+    return work_error(*(model.follow(cells, SETTINGS) for model in models))
 
 
 def spread(errors):
-    """Median, third quartile and largest, in per cent."""
+    """Write median, third quartile and largest, in per cent."""
     return [f"{number(100 * value)} %" for value in np.quantile(errors, [0.5, 0.75, 1.0])]
 
 

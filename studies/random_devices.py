@@ -1,4 +1,4 @@
-"""Devices and shocks drawn at random, over all that the model is meant for."""
+"""Random devices and shocks, over the range of the model."""
 
 import math
 from dataclasses import replace
@@ -10,15 +10,15 @@ from snapmap.pulse.pulse import DIRECTIONS, SHAPES, make_pulse, sampled
 from snapmap.pulse.shocks import Shocks
 
 PULSES, DAMPINGS = 4, (0.01, 0.6)
-"""Frequencies of each device, and its dampings over sqrt(K M)."""
+"""Number of pulses of each device, and its dampings over sqrt(K M)."""
 FREQUENCIES, SLOWEST = (0.05, 20.0), 0.01
-"""Over the device's own; the lowest where slow pulses are drawn, too."""
+"""Range of f0 over the device's own frequency, and its lower end with slow pulses."""
 ARC = {f"cosine_{n}": 8 / (n * math.pi) ** 2 for n in range(2, 6)}
-"""Of a beam made as a shallow arc."""
+"""Cosines of a beam made as a shallow arc."""
 
 
 def draw_device(draw: np.random.Generator) -> Device:
-    """A silicon beam and a mass on a spring, light or heavy, soft or stiff; some contacts hard."""
+    """Draw a silicon beam with a mass on a spring; half of the contacts are hard."""
     Q, span = draw.uniform(2.5, 8.0), even(draw, 200.0, 2000.0)
     thickness = span / 300 * even(draw, 0.3, 3.0)
     depth, E = draw.uniform(5.0, 30.0), draw.uniform(1.0e5, 1.7e5)
@@ -30,7 +30,7 @@ def draw_device(draw: np.random.Generator) -> Device:
 
 
 def draw_any_device(draw: np.random.Generator) -> Device:
-    """A device as drawn above, half of them with a gap, stressed, and one in four free to tilt."""
+    """Draw a device as `draw_device`; some have a stress or a gap, or are free to tilt."""
     device = draw_device(draw)
     beam = device.beam
     if draw.random() < 0.5:
@@ -43,7 +43,7 @@ def draw_any_device(draw: np.random.Generator) -> Device:
 
 
 def draw_widest_device(draw: np.random.Generator) -> Device:
-    """A device as drawn above, some with stops, at another temperature, or of another shape."""
+    """Draw a device as `draw_any_device`; some have stops, another shape or temperature."""
     device = draw_any_device(draw)
     if draw.random() < 0.3:
         way = device.gap + device.beam.rise * even(draw, 0.3, 3.0)
@@ -62,12 +62,12 @@ def draw_widest_device(draw: np.random.Generator) -> Device:
         beam = replace(beam, **{key: warm[key] for key in ("youngs_modulus", "residual_stress")})
         beam.require_second_shape()
     except ValueError:
-        return device  # Warm, it has no second shape.
+        return device  # without a second shape at that temperature
     return replace(device, beam=beam, temperature=there)
 
 
 def draw_pulse(draw: np.random.Generator) -> Shocks:
-    """A shape, or a record with ringing and noise, along either direction."""
+    """Draw a pulse in either direction: a shape, or a record with ringing and noise."""
     name = draw.choice([*SHAPES, "recorded"])
     x = np.linspace(0.0, 1.0, 201)
     rings = np.sin(np.pi * x) ** 2 * (1 + draw.normal(0.0, 0.3) * np.sin(14 * np.pi * x))
@@ -79,13 +79,16 @@ def draw_pulse(draw: np.random.Generator) -> Shocks:
 def draw_shocks(
     draw: np.random.Generator, device: Device, frequencies: tuple[float, float] = FREQUENCIES
 ) -> tuple[list[float], list[float]]:
-    """Frequencies (Hz; between some, over the device's own) and dampings C (uN us/um)."""
-    own = device.own_frequency / (2 * math.pi) * 1e6
-    f0 = sorted(own * even(draw, *frequencies) for _ in range(PULSES))
+    """Draw frequencies f0 (Hz), and return them with dampings C (uN us/um).
+
+    frequencies: their range over the device's own frequency
+    """
+    natural = device.own_frequency / (2 * math.pi) * 1e6
+    f0 = sorted(natural * even(draw, *frequencies) for _ in range(PULSES))
     critical = math.sqrt(device.spring * device.mass)
     return f0, [share * critical for share in DAMPINGS]
 
 
 def even(draw, low, high):
-    """A number whose logarithm is evenly distributed."""
+    """Draw a number with a uniformly distributed logarithm."""
     return float(math.exp(draw.uniform(math.log(low), math.log(high))))

@@ -1,4 +1,4 @@
-"""What a user could take instead: the handout's ODE in modes of the beam, by SciPy."""
+"""The handout's equations in modes of the beam, solved by SciPy for comparison."""
 
 from collections.abc import Callable
 
@@ -10,17 +10,17 @@ from snapmap.device.device import Device
 from snapmap.solver.cells import Cells
 
 Follow = Callable[[Cells], np.ndarray]
-"""Cells to t_snap, us, NaN for a cell that does not snap."""
+"""A function of cells that returns t_snap, us, or NaN for a cell that does not snap."""
 TOLERANCE = 1e-6
 
 
 def snap_target(device: Device) -> float:
-    """Where the midpoint of a guided beam snaps, from where it rests, um."""
+    """Return the displacement at which the midpoint of a guided beam snaps, from rest, um."""
     return device.beam.second_equilibrium - device.beam.height
 
 
 def by_scipy(device: Device, modal: ModalBeam, method: str, tolerance: float = TOLERANCE) -> Follow:
-    """Follow cells one by one with solve_ivp, in two legs, pulse and rest, to the event w2."""
+    """Make a function that follows cells by solve_ivp, in the pulse and after it, to the snap."""
     from scipy.integrate import solve_ivp
 
     (rate, w), size = compile_rate(device, modal), 2 * modal.load.size + 2
@@ -44,7 +44,10 @@ def by_scipy(device: Device, modal: ModalBeam, method: str, tolerance: float = T
 
 
 def compile_rate(device: Device, modal: ModalBeam):
-    """Compile d/dt of x = (p, y, p', y'), from `ModalBeam` and eq. (2), and w(L/2) from rest."""
+    """Compile the rate of x = (p, y, p', y') by `ModalBeam` and eq. (2), and w(L/2) from rest.
+
+    Returns rate(t, x, amplitude, f0, damping), and w(x).
+    """
     mass, spring, penalty = device.mass, device.spring, contact_stiffness(device, modal.residual)
     stiffness, geometric, slope_start, load, midpoint, axial, residual, _ = modal
     modes = load.size

@@ -1,4 +1,4 @@
-"""What the time steps cost in accuracy, by question: docs/accuracy.md.
+"""Errors due to the time steps, by question, for docs/accuracy.md.
 
 ./run python -m studies steps [--small]
 """
@@ -19,10 +19,10 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
 from snapmap.solver.steps import LONGEST
-from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker, refine
+from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker
 from snapmap.thresholds.survey import first_seen, scan_range
 
-from .common import ROOT, few, number
+from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 
 SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
@@ -39,17 +39,18 @@ RULES = {
     "`LONGEST` twenty times": {"longest": 20.0},
     "`MOST` halved": {"most": 0.5},
 }
-"""By what the constants of the rule for EDGE are multiplied."""
+"""Factors on the constants of the rule for EDGE, by the name of each rule."""
 SLOW_RULES = {key: RULES[key] for key in (DEFAULT, "`MOST` halved")}
 FINE, FINER = {"factor": 0.15}, {"factor": 0.1}
 AGREED, REFINED, NEAR = 2e-4, 2e-6, 1.04
-"""Rows in which the fine rules agree so well are judged; thresholds are refined so far, near."""
+"""Largest difference of the fine rules in a well-posed row; tolerance of thresholds; factor within
+which they are searched."""
 F0, C = np.geomspace(1e3, 3e4, 18), np.array([25.0, 200.0])
-"""Of the handout's device, whose mass strikes the beam again and again."""
+"""Shocks of the handout's device under which the mass strikes the beam again and again."""
 PRESSED = 0.003, 1.0
-"""Frequencies over the device's own at which a mass is pressed on a hard contact without a gap."""
+"""Range of f0 over the device's own at which a mass presses on a hard contact without a gap."""
 SLOW = 0.004, 0.1
-"""Likewise, at which a pulse moves the mass from rest to rest."""
+"""Range of f0 over the device's own at which a pulse moves the mass from rest to rest."""
 LANDINGS = {
     "at rest": lambda device, draw: device,
     "at rest, hard": lambda device, draw: replace(device, contact=np.inf),
@@ -57,9 +58,9 @@ LANDINGS = {
     "gap, hard": lambda device, draw: LANDINGS["gap"](replace(device, contact=np.inf), draw),
     "stop": lambda device, draw: replace(device, stop_away=device.beam.rise * even(draw, 0.1, 3.0)),
 }
-"""What the mass meets under a slow pulse."""
+"""Devices by what their mass meets under a slow pulse."""
 LONGEST_PULSE = 1e5
-"""Pulses of more than so many of the arch's radians are left out where nothing is pressed."""
+"""Pulses that last longer, in radians of the arch, are left out if nothing presses on the beam."""
 STAYS = 0.2, 0.4, LONGEST[STAY], 0.7, 1.0
 CONTACTS = (40.0, 400.0, np.inf)
 
@@ -76,57 +77,57 @@ HEAD = ["rows", "median", "90 %", "largest", "no threshold near"]
 
 
 def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
-    """The model with constants of its rule for EDGE multiplied, or with the rule of SNAP."""
+    """Return the model with factors on constants of its rule for EDGE, and the question to ask."""
     steps = model.steps.times(factor)
     parts = {key: times * getattr(steps, key) for key, times in factors.items()}
     parts["longest"] = {**steps.longest, EDGE: longest * steps.longest[EDGE]}
     return replace(model, steps=replace(steps, **parts)), question
 
 
-def stepped(model, turn):
-    """The model with another longest step, over the arch's frequency, after the pulse."""
-    longest = {**model.steps.longest}
-    longest[STAY] = longest[STAY] * turn / LONGEST[STAY]
+def with_longest(model, turn):
+    """Return the model with a longest step after the pulse of `turn` over the arch's frequency."""
+    longest = model.steps.longest
+    longest = longest | {STAY: longest[STAY] * turn / LONGEST[STAY]}
     return replace(model, steps=replace(model.steps, longest=longest))
 
 
 def edges():
-    """Rows: errors of thresholds by rule, of random devices and of the handout's."""
+    """Yield rows of errors of thresholds by rule, of random devices and of the handout's."""
     draw, errors = np.random.default_rng(SEED), []
     for _ in range(few(DEVICES)):
         errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
     device = load_device(ROOT / "config" / "config.yaml")
     rows = to_rows(0, few(F0), C[:, np.newaxis])
-    own = errors_of_rows(device, rows, Settings(threads=THREADS))
-    for i, name in enumerate(few(RULES)):
-        of_random = _spread(np.concatenate([found[i] for found in errors]))
-        yield [name, *of_random, *_spread(own[i])[:-1]]
+    of_handout = errors_of_rows(device, rows, Settings(threads=THREADS))
+    of_random = np.concatenate(errors, axis=1)
+    for name, random, handout in zip(few(RULES), of_random, of_handout, strict=True):
+        yield [name, *_spread(random), *_spread(handout)[:-1]]
 
 
 def pressed():
-    """Rows: errors of thresholds by rule, of random devices with hard contact and no gap."""
+    """Yield rows of errors of thresholds by rule, of devices with a hard contact and no gap."""
     draw, errors = np.random.default_rng(SEED + 1), []
     for _ in range(few(DEVICES)):
         device = replace(draw_device(draw), contact=np.inf)
         errors.append(errors_of(device, draw_pulse(draw), draw, PRESSED, np.inf))
-    for name, found in zip(few(RULES), np.concatenate(errors, axis=1), strict=True):
-        yield [name, *_spread(found)]
+    for name, of_rule in zip(few(RULES), np.concatenate(errors, axis=1), strict=True):
+        yield [name, *_spread(of_rule)]
 
 
 def slow():
-    """Rows: errors of thresholds of slow pulses by what the mass meets, and by rule."""
+    """Yield rows of errors of thresholds of slow pulses, by what the mass meets, and by rule."""
     shocks = Shocks(make_pulse())
     for name, landing in few(LANDINGS).items():
         draw, errors = np.random.default_rng(SEED + 2), []
         for _ in range(few(DEVICES)):
             device = landing(draw_device(draw), draw)
             errors.append(errors_of(device, shocks, draw, SLOW, np.inf, SLOW_RULES))
-        for rule, found in zip(few(SLOW_RULES), np.concatenate(errors, axis=1), strict=True):
-            yield [name, rule, *_spread(found)]
+        for rule, of_rule in zip(few(SLOW_RULES), np.concatenate(errors, axis=1), strict=True):
+            yield [name, rule, *_spread(of_rule)]
 
 
 def _spread(errors):
-    """Cells of a table: how many rows, their errors, and how many found nothing near."""
+    """Number of rows, quantiles of their errors, and number of rows without a threshold near."""
     off = abs(errors[np.isfinite(errors)])
     spread = np.quantile(off, [0.5, 0.9, 1.0]) if off.size else np.full(3, np.nan)
     shown = [f"{number(100 * value)} %" for value in spread]
@@ -134,55 +135,48 @@ def _spread(errors):
 
 
 def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE, rules=RULES):
-    """Relative errors of one random device's well-posed thresholds, (rules, rows)."""
+    """Find relative errors of the well-posed thresholds of a random device, (rules, rows)."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
     f0, C = draw_shocks(draw, device, frequencies)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
-    f0 = [one for one in f0 if 2e-6 * np.pi * one * longest > arch] or f0[-1:]
+    f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
     return errors_of_rows(device, rows, Settings(horizon, threads=THREADS), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):
-    """Relative errors of well-posed thresholds, (rules, rows); NaN where none is near."""
+    """Find relative errors of well-posed thresholds, (rules, rows); NaN if none is near."""
     model = build_model(batch([device]), "cosines", modes=COSINES)
 
     def ask(rule):
         ruled, question = changed(model, **rule)
         return asker(ruled, rows, settings, until=question)
 
+    def near(rule, N):
+        return threshold_near(ask(rule), N, NEAR, REFINED)
+
     bound = least_amplitudes(model, rows)
     static = static_threshold(model.device)
     wide = amplitudes(*scan_range(model.device, static, rows, bound), SCAN_STEP)
-    near = first_seen(ask(RULES[DEFAULT]), wide, bound)[0]
-    fine = threshold_near(ask(FINE), near)
-    finer = threshold_near(ask(FINER), fine)
+    fine = near(FINE, first_seen(ask(RULES[DEFAULT]), wide, bound)[0])
+    finer = near(FINER, fine)
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)
-    found = [threshold_near(ask(rule), known) / known - 1 for rule in few(rules).values()]
-    return np.array(found)[:, posed]
-
-
-def threshold_near(ask, N):
-    """The threshold of each row, if it lies near N, (rows,)."""
-    low, high = N / NEAR, N * NEAR
-    snapped = np.isfinite(ask(np.column_stack([low, high])))
-    there = ~snapped[:, 0] & snapped[:, 1]
-    return refine(ask, *(np.where(there, end, np.nan) for end in (low, high)), REFINED)[1]
+    return np.array([near(rule, known) / known - 1 for rule in few(rules).values()])[:, posed]
 
 
 def stays():
-    """Rows: share of cells that end in the second shape, by step, for each contact."""
+    """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
     settings = Settings(6000.0, threads=THREADS)
     device = load_device(ROOT / "config" / "config.yaml")
     beam = replace(device.beam, damping=1e-3)
     for contact in few(CONTACTS):
-        one = replace(device, beam=beam, contact=contact)
-        model = build_model(one, "cosines", modes=COSINES)
+        held = replace(device, beam=beam, contact=contact)
+        model = build_model(held, "cosines", modes=COSINES)
         cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
-        ends = (stepped(model, turn).follow(cells, settings).well for turn in few(STAYS))
+        ends = (with_longest(model, turn).follow(cells, settings).well for turn in few(STAYS))
         yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]
 
 

@@ -1,4 +1,4 @@
-"""Devices as made, for the handout's device: docs/applications/tolerances.md.
+"""The scatter of the handout's device as made, for docs/applications/tolerances.md.
 
 ./run python -m studies tolerances [--small]
 """
@@ -11,7 +11,7 @@ from .common import ROOT, few
 
 SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
 SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
-"""um, or shares; half a width where it is uniform."""
+"""Standard deviations, um or shares; half the width of a uniform distribution."""
 F0, C = [500.0, 1500.0, 15000.0], [25.0]
 THREADS = 2
 
@@ -22,29 +22,28 @@ def main():
 
 
 def sampled(device, **options):
+    """Find the thresholds of samples of the device, without the axis C."""
     return tolerance(device, SCATTERS, few(F0), C, threads=THREADS, **options).squeeze("C")
 
 
 def indices(device):
-    """Total indices of each value, with their bounds."""
-    made = sampled(device, samples=few(1024, 16))
-    total, bounds = made.sensitivity, made.sensitivity_bound
+    """Write the total index of each value, with its bounds."""
+    batch = sampled(device, samples=few(1024, 16)).sel(order="total")
     rows = []
-    for value in made.value.values:
-        at = {"value": value, "order": "total"}
-        ends = bounds.sel(at).transpose("f0", "bound").values
-        middle = total.sel(at).values
+    for value in batch.value.values:
+        ends = batch.sensitivity_bound.sel(value=value).transpose("f0", "bound").values
+        middle = batch.sensitivity.sel(value=value).values
         cells = (f"{m:.2f} ({a:.2f} to {b:.2f})" for m, (a, b) in zip(middle, ends, strict=True))
         rows.append([str(value), *cells])
     return table(["value", *(f"{f0:g} Hz" for f0 in few(F0))], rows)
 
 
 def distribution(device):
-    """How thresholds scatter."""
-    made = sampled(device, samples=few(4096, 16), index_samples=16)
+    """Write mean, standard deviation and quantiles of thresholds."""
+    batch = sampled(device, samples=few(4096, 16), index_samples=16)
     rows = []
     for f0 in few(F0):
-        at = made.sel(f0=f0)
+        at = batch.sel(f0=f0)
         low, high = (at.N_quantile.sel(quantile=share).item() for share in (0.01, 0.99))
         spread = at.N_std.item() / at.N_mean.item()
         values = at.N_nominal.item(), at.N_mean.item(), low, high

@@ -1,9 +1,10 @@
-"""Prints the first part of docs/validation.md: closed forms, published values, another code.
+"""Print the first part of docs/validation.md: closed forms, published values, another solver.
 
 ./run python -m studies validation
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -29,7 +30,7 @@ STEPS = "default steps", "small steps"
 LARGE_Q = 300.0
 F0, C = 1500.0, 25.0
 TOLERANCE = 1e-9
-"""Of the other integrator; thresholds are refined to a hundredth of what its runs then resolve."""
+"""Relative tolerance of the other integrator."""
 TEXT = """\
 # Validation
 
@@ -92,7 +93,7 @@ def main():
     sections = {
         "statics": curved_beam(device),
         "spectra": spectra(),
-        "made": made(device),
+        "made": stressed(device),
         "mass": mass(device),
     }
     tables = {name: table(HEAD, rows) for name, rows in sections.items()}
@@ -100,14 +101,14 @@ def main():
     print(TEXT.format(**tables, tolerance=TOLERANCE, f0=F0, C=C), end="")
 
 
-def row(what, theirs, ours, digits=6):
-    """A row; the difference relative, where theirs is not 0."""
-    apart = f"{ours / theirs - 1:+.1e}" if theirs else f"{ours:+.1e}"
-    return [what, f"{theirs:.{digits}g}", f"{ours:.{digits}g}", apart]
+def row(what, reference, value, digits=6):
+    """Write a row, with the relative difference, or the absolute one if the reference is 0."""
+    apart = f"{value / reference - 1:+.1e}" if reference else f"{value:+.1e}"
+    return [what, f"{reference:.{digits}g}", f"{value:.{digits}g}", apart]
 
 
 def curved_beam(device):
-    """Qiu, Lang and Slocum's curved beam."""
+    """Yield rows of the statics of Qiu, Lang and Slocum's curved beam."""
     thin = replace(device, beam=replace(device.beam, thickness=device.beam.rise / LARGE_Q))
     unit = thin.beam.stiffness_unit * thin.beam.rise
     path = statics(thin)
@@ -145,12 +146,12 @@ def _line(basis):
 
 
 def spectra():
-    """Buckling loads of elements, and frequencies of the straight beam in both bases."""
+    """Yield rows of buckling loads of elements, and frequencies of a beam in both bases."""
     elements = hermite_elements(12, free=True)
     mu = 2 * np.pi, 2 * brentq(_tilts, 4.4, 4.6), 4 * np.pi
     loads = eigh(elements.bending, elements.geometric)[0]
-    for j, (one, ours) in enumerate(zip(mu, loads, strict=False), start=1):
-        yield row(f"buckling load {j}, elements", one * one, ours, 8)
+    for j, (root, load) in enumerate(zip(mu, loads, strict=False), start=1):
+        yield row(f"buckling load {j}, elements", root * root, load, 8)
     for tension in (40.0, -20.0):
         exact = _frequencies(tension)
         for name, basis in (("elements", elements), ("shapes", buckling_shapes(12))):
@@ -160,7 +161,7 @@ def spectra():
 
 
 def _frequencies(tension):
-    """The first three of a clamped beam under tension."""
+    """The first three frequencies of a clamped beam under tension."""
 
     def clamped(omega):
         root = np.sqrt(tension * tension / 4 + omega * omega)
@@ -173,8 +174,11 @@ def _frequencies(tension):
     return [brentq(clamped, grid[i], grid[i + 1], xtol=1e-13) for i in signs[:3]]
 
 
-def made(device):
-    """Where stresses change what a beam is, from the cubic of its first cosine, by numpy."""
+def stressed(device):
+    """Yield rows of the stresses at which a beam changes its kind, and of its shapes.
+
+    The references are roots of the cubic of the first cosine, by numpy.
+    """
     beam = device.beam
     load = beam.bending_stiffness * (2 * np.pi / beam.span) ** 2
     flat = load / beam.area
@@ -182,15 +186,15 @@ def made(device):
 
     def force(stress):
         arch, push = 0.75 * beam.bistability**2, -stress * beam.area / load
-        found = np.roots([arch, 0, 1 - arch - push, -1])
-        return 1 - 1 / found[abs(found.imag) < 1e-7].real.min()
+        shapes = np.roots([arch, 0, 1 - arch - push, -1])
+        return 1 - 1 / shapes[abs(shapes.imag) < 1e-7].real.min()
 
     lost = (2 / 3 * beam.bistability**2 - 4) * load / beam.area
     yield row("state 2 ends, MPa", lost, beam.most_stress)
     tilt = (brentq(_tilts, 4.4, 4.6) / np.pi) ** 2
     stays = brentq(lambda stress: force(stress) - tilt, -10, 0)
-    ours = brentq(lambda s: replace(beam, residual_stress=s).stays_if_free - 0.5, -10, 0)
-    yield row("free state 2 is stable, MPa", stays, ours)
+    stress = brentq(lambda s: replace(beam, residual_stress=s).stays_if_free - 0.5, -10, 0)
+    yield row("free state 2 is stable, MPa", stays, stress)
     w2 = -beam.rise * (1 + np.sqrt(1 - 16 / (3 * beam.bistability**2))) / 2
     yield row("second shape, um", w2, beam.second_equilibrium)
     barrier = find_barrier(beam, hermite_elements(20))
@@ -200,7 +204,7 @@ def made(device):
 
 
 def mass(device):
-    """The mass alone under pulses, and the energy of impacts."""
+    """Yield rows of the response of a mass alone, and of the energy lost by impacts."""
     alone = replace(device, gap=1e4)
     omega = np.sqrt(device.spring / device.mass)
     known = {"versed sine": (1.705, 1.0), "half sine": (1.768, 0.81)}
@@ -212,15 +216,14 @@ def mass(device):
             rest = device.beam.rise + alone.gap
             still = 100 * device.gravity * device.mass / device.spring
             peaks.append(float(abs(run.z_mass - rest).max()) / still)
-        ours = np.polyval(np.polyfit(np.arange(9), peaks, 4), np.linspace(0, 8, 801)).max()
-        yield row(f"response to a {shape}", ratio, ours, 4)
+        most = np.polyval(np.polyfit(np.arange(9), peaks, 4), np.linspace(0, 8, 801)).max()
+        yield row(f"response to a {shape}", ratio, most, 4)
     cube = sweep(device, [700, 1000, 1500, 2200], [800, 3000], [0.0], model="cosines", modes=3)
-    worst = float(cube.energy_error.max())
-    yield row("energy lost over work", 0.0, worst)
+    yield row("energy lost over work", 0.0, float(cube.energy_error.max()))
 
 
 def thresholds(device):
-    """Thresholds by another integrator."""
+    """Yield rows of thresholds by DOP853, and of the differences of ours."""
     cases = {
         "as it is": device,
         "stress of -8 MPa, gap of 0.5 um": replace(
@@ -230,22 +233,21 @@ def thresholds(device):
             device, beam=replace(device.beam, free=1.0, imperfection=0.05)
         ),
     }
-    for name, one in few(cases).items():
-        model = build_model(one, "cosines", modes=3)
-        near = _own(model)
-        theirs = brentq(lambda N, m=model: _other(m, N), 0.995 * near, 1.005 * near, xtol=1e-6)
-        fine = _own(stepped(model, 0.05 * bending_limit(model)))
-        apart = (f"{ours / theirs - 1:+.1e}" for ours in (near, fine))
-        yield [name, f"{theirs:.8g}", *apart]
+    for name, case in few(cases).items():
+        model = build_model(case, "cosines", modes=3)
+        near, short = _threshold(model), partial(_short_of_snap, model)
+        exact = brentq(short, 0.995 * near, 1.005 * near, xtol=1e-6)
+        fine = _threshold(stepped(model, 0.05 * bending_limit(model)))
+        yield [name, f"{exact:.8g}", *(f"{N / exact - 1:+.1e}" for N in (near, fine))]
 
 
-def _own(model):
+def _threshold(model):
     rows, settings = to_rows(0, F0, C), Settings(0.0)
     return lowest_snap(model, rows, (500.0, 2500.0), settings, 1e-9).item()
 
 
-def _other(model, N):
-    """How far short of the snap a run of N stays, um, to the end of the pulse; by scipy."""
+def _short_of_snap(model, N):
+    """Least distance of the midpoint from the snap during the pulse, um, by SciPy."""
     device, modal = model.device, model.modal
     k, contact = modal.load.size, float(contact_stiffness(device, modal.residual))
     shock, f0 = make_pulse(), F0 * 1e-6

@@ -1,4 +1,4 @@
-"""Prints README.md: ensembles of small systems with impacts, by everyone who can follow them.
+"""Print README.md: ensembles of small systems with impacts, by every solver that can follow them.
 
 ./run python -m studies impacts [--small] > studies/impacts/README.md
 """
@@ -24,16 +24,16 @@ from .problems import BALL, RIGID, make_ball, make_bilinear, make_oscillator, ma
 
 ROUNDS = 3
 SOME = slice(4, None, 9)
-"""Trajectories, strewn over an ensemble, for those too slow for all."""
+"""Trajectories, spread over an ensemble, for a solver that is too slow for all."""
 FEWER = slice(4, None, 29)
-"""Likewise of the map."""
+"""Cells, spread over the map, for a solver that is too slow for all."""
 TOLERANCES = (1e-4,), (1e-6,), (1e-9,), (1e-12,)
-LONGEST = (1e-4, 0.1), (1e-6, 0.1), *((*one, np.inf) for one in TOLERANCES[1:])
-"""Tolerances, and longest steps: an event twice within a step is none."""
+LONGEST = (1e-4, 0.1), (1e-6, 0.1), (1e-6, np.inf), (1e-9, np.inf), (1e-12, np.inf)
+"""Tolerances and longest steps; two events within a step would remain unseen."""
 PLAIN = (0.1,), (0.03,), (0.01,), (0.003,), (0.001,)
 STEPS = (500,), (2000,), (8000,), (32_000,), (128_000,)
 FACTORS = (2.0,), (1.0,), (0.5,), (0.25,), (0.125,)
-"""Of the step that our own rule chooses."""
+"""Steps, over that of our own rule."""
 MAP_STEPS = (0.4,), (0.2,), (0.1,)
 OURS, SCIPY, PLAIN_LOOP = "snapmap", "SciPy", "plain loop"
 HEAD = "problem", "contender", "loose: /s", "setting", "tight: /s", "setting"
@@ -41,8 +41,9 @@ CHECKS = "problem", "parameters", "t_end", "x(t_end)"
 
 
 class Contender(NamedTuple):
-    """Who follows an ensemble: made for it, then called with each of the settings.
+    """A solver of an ensemble.
 
+    make: makes it for an ensemble; settings: arguments of its calls
     which: the trajectories that it follows
     """
 
@@ -62,12 +63,12 @@ def main():
     facts = {"machine": machine(), "versions": versions("numpy", "numba", "scipy")}
     cells, snap = the_map.exact.size, int(the_map.exact.sum())
     counts = {"cells": cells, "snap": snap, "contested": few(SIDE, FEWEST) ** 2 - cells}
-    found = {"table": table(HEAD, rows), "answers": table(CHECKS, checks)}
-    print(TEXT.format(**facts, **counts, **found, fine=snaps.FINE, rounds=few(ROUNDS)), end="")
+    tables = {"table": table(HEAD, rows), "answers": table(CHECKS, checks)}
+    print(TEXT.format(**facts, **counts, **tables, fine=snaps.FINE, rounds=few(ROUNDS)), end="")
 
 
 def ensembles():
-    """The problems whose answers are places, one by one."""
+    """Yield the problems whose answers are places."""
     for make in few((make_ball, make_oscillator, make_bilinear, make_valve), 2):
         problem = make()
         if np.isnan(problem.exact).all():
@@ -76,55 +77,56 @@ def ensembles():
 
 
 def contenders(problem, device) -> dict[str, Contender]:
-    """Who can follow a problem, and is here."""
-    kernel = partial(solvers.by_kernel, device=device)
-    found = {
+    """Return the solvers that can follow a problem."""
+    able = {
         SCIPY: Contender(solvers.by_scipy, LONGEST, SOME),
         PLAIN_LOOP: Contender(solvers.by_plain_loop, PLAIN),
     }
     if problem.name in (BALL, RIGID):
-        found[OURS] = Contender(kernel, STEPS)
-    return found
+        able[OURS] = Contender(partial(solvers.by_kernel, device=device), STEPS)
+    return able
 
 
 def map_contenders() -> dict[str, Contender]:
-    """Who labels the map."""
-    found = {
+    """Return the solvers that label the map."""
+    return {
         SCIPY: Contender(snaps.map_by_scipy, TOLERANCES[:3], FEWER),
         PLAIN_LOOP: Contender(snaps.map_by_plain_loop, MAP_STEPS),
+        OURS: Contender(snaps.map_by_kernel, FACTORS),
+        f"{OURS}, with proofs": Contender(snaps.map_by_proofs, FACTORS),
     }
-    found[OURS] = Contender(snaps.map_by_kernel, FACTORS)
-    found[f"{OURS}, with proofs"] = Contender(snaps.map_by_proofs, FACTORS)
-    return found
 
 
 def measure(problem, of: dict[str, Contender]) -> list[list[str]]:
-    """A row for each contender: its fastest setting that meets each bound."""
+    """Make a row for each contender, with its fastest setting that meets each bound."""
     tasks, parts = {}, {}
     for name, contender in of.items():
         parts[name] = problem.some(contender.which)
         solve = contender.make(parts[name])
-        tasks |= {(name, one): partial(solve, *one) for one in contender.settings}
+        tasks |= {(name, setting): partial(solve, *setting) for setting in contender.settings}
     first = take_turns(tasks, 1)  # compiles
-    good = {key: task for key, task in tasks.items() if _meets(parts[key[0]], first[key].result, 0)}
-    runs = take_turns(good, few(ROUNDS), process_time, median)
+    meeting = {key: tasks[key] for key in tasks if _meets(parts[key[0]], first[key].result, 0)}
+    runs = take_turns(meeting, few(ROUNDS), process_time, median)
     columns = {name: [] for name in of}
     for level in (0, 1):
         for name, part in parts.items():
             columns[name] += _columns(_fastest(name, part, runs, level), part.exact.size)
     shown = {SCIPY: problem.name}  # by its first row
-    return [[shown.get(name, ""), name, *found] for name, found in columns.items()]
+    return [[shown.get(name, ""), name, *cells] for name, cells in columns.items()]
 
 
-def _meets(part, found, level):
-    return part.wrong(found, level) <= part.allowed[level] * part.exact.size
+def _meets(part, answers, level):
+    return part.wrong(answers, level) <= part.allowed[level] * part.exact.size
 
 
 def _fastest(name, part, runs, level):
-    """Setting and run; None if none meets the bound."""
-    mine = [(one, run) for (who, one), run in runs.items() if who == name]
-    good = [(one, run) for one, run in mine if _meets(part, run.result, level)]
-    return min(good, key=lambda pair: pair[1].seconds, default=None)
+    """The fastest setting that meets the bound, and its run; None if there is none."""
+    meeting = [
+        (setting, run)
+        for (who, setting), run in runs.items()
+        if who == name and _meets(part, run.result, level)
+    ]
+    return min(meeting, key=lambda pair: pair[1].seconds, default=None)
 
 
 def _columns(best, count):
@@ -135,7 +137,7 @@ def _columns(best, count):
 
 
 def answers(problem) -> list[list[str]]:
-    """The first and the last trajectory of an ensemble, to check one's own by."""
+    """Make rows of the first and the last trajectory of an ensemble, as checks for others."""
     return [
         [
             problem.name,

@@ -1,4 +1,4 @@
-"""The words of README.md."""
+"""The text of README.md."""
 
 TEXT = r"""# A benchmark: ensembles of small systems with impacts
 

@@ -1,4 +1,4 @@
-"""Ensembles of small systems with impacts whose answers are known: README.md."""
+"""The problems of README.md: ensembles of small systems with impacts whose answers are known."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,19 +12,19 @@ from ..common import few
 
 BALL, RIGID = "bouncing ball", "impact oscillator"
 BOUNDS = 1e-3, 1e-6
-"""Of the error of x[0] at t_end."""
+"""Largest errors of x[0] at t_end, loose and tight."""
 REST = 1e-4
-"""Speed at which a ball leaves the floor that a solver may take for rest."""
+"""A solver may stop a ball that leaves the floor with a lower speed."""
 SIDE, FEWEST = 16, 3
-"""Trajectories along each of two parameters, all and in a small run."""
+"""Trajectories along each of two parameters, in all and in a small run."""
 WAY = 0.5
-"""From the oscillator at rest to its stop."""
+"""Distance from the oscillator at rest to its stop."""
 T_END = 30.0
-"""Time that the oscillators are followed."""
+"""Time for which the oscillators are followed."""
 LOOK = 0.005
-"""Time between two looks for an impact in a closed form."""
+"""Time step of the search for an impact in a closed form."""
 STIFFNESS = 100.0
-"""Of the soft stop, over the spring's."""
+"""Stiffness of the soft stop over that of the spring."""
 VALVE_DAMPING, PRELOAD, FLOW, VALVE_RESTITUTION = 1.25, 10.0, 20.0, 0.8
 
 
@@ -32,11 +32,11 @@ VALVE_DAMPING, PRELOAD, FLOW, VALVE_RESTITUTION = 1.25, 10.0, 20.0, 0.8
 class Problem:
     """Trajectories x' = rate(t, x, q), reset wherever guard(x, q) falls through 0.
 
-    rate: made by a module with sin and sqrt: numpy or jax.numpy
-    reset: gives x and q as they go on
-    start: (n, dimension); q: (n, parameters); t_end, exact: (n,), x[0] at t_end
-    allowed: share of all that may be wrong by each of BOUNDS: some all but graze
-    rest: the trajectory ends, with what it has, at an impact that leaves |x[1]| below
+    rate: makes it from a module with sin and sqrt, numpy or jax.numpy
+    reset: returns x and q after an impact
+    start: (n, dimension); q: (n, parameters); t_end: (n,); exact: x[0] at t_end, (n,)
+    allowed: share of trajectories that may miss each of BOUNDS, as some almost graze
+    rest: a trajectory ends at an impact after which |x[1]| is below it
     """
 
     name: str
@@ -51,27 +51,27 @@ class Problem:
     allowed: tuple[float, float] = (0.05, 0.05)
 
     def some(self, which: slice) -> "Problem":
-        """Some of its trajectories."""
+        """Return the problem of some trajectories."""
         columns = {key: getattr(self, key)[which] for key in ("start", "q", "t_end", "exact")}
         return replace(self, **columns)
 
-    def wrong(self, found: np.ndarray, level: int) -> int:
-        """How many are not within a bound."""
-        return int(np.sum(~(np.abs(found - self.exact) <= BOUNDS[level])))
+    def wrong(self, answers: np.ndarray, level: int) -> int:
+        """Count answers that miss a bound, by its number."""
+        return int(np.sum(~(np.abs(answers - self.exact) <= BOUNDS[level])))
 
 
 def grid(*axes: np.ndarray) -> np.ndarray:
-    """All pairs, (n, axes)."""
+    """Return all combinations of values on axes, (n, axes)."""
     return np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
 def spaced(low: float, high: float, count: int = SIDE) -> np.ndarray:
-    """Values of one parameter."""
+    """Return evenly spaced values, fewer in a small run."""
     return np.linspace(low, high, few(count, FEWEST))
 
 
 def make_ball() -> Problem:
-    """Dropped from height 1: bounces at t_n, which add up to the limit of Zeno."""
+    """Make a ball that falls from height 1; its bounces have a limit in time, Zeno's."""
 
     def rate(math):
         return lambda t, x, q: (x[1], -1.0)
@@ -91,7 +91,7 @@ def make_ball() -> Problem:
 
 
 def ball_height(e: float, t: float) -> float:
-    """Height at t; the n-th bounce is at sqrt(2) (1 + 2 (e + ... + e^n)), n from 0."""
+    """Return the height at t; bounce n is at sqrt(2) (1 + 2 (e + ... + e^n)), n from 0."""
     bounce, speed = np.sqrt(2), np.sqrt(2)
     if t < bounce:
         return 1 - t * t / 2
@@ -103,7 +103,7 @@ def ball_height(e: float, t: float) -> float:
 
 
 def make_oscillator() -> Problem:
-    """A mass on a spring, driven by a sine from rest, before a rigid stop."""
+    """Make a mass on a spring before a rigid stop, driven by a sine from rest."""
 
     def rate(math):
         return lambda t, x, q: (x[1], -x[0] - math.sin(q[0] * t))
@@ -120,7 +120,7 @@ def make_oscillator() -> Problem:
 
 
 def make_bilinear() -> Problem:
-    """The same before a soft stop, a stiff spring, which q[1] has in or out."""
+    """Make the oscillator before a soft stop, a stiff spring; q[1] is 1 in contact, else 0."""
 
     def rate(math):
         def stiff(t, x, q):
@@ -145,9 +145,9 @@ def _from_rest(q):
 
 
 def by_pieces(omega: float, meet: Callable) -> float:
-    """Place at T_END by an oscillator's closed form, from impact to impact.
+    """Return an oscillator's place at T_END by its closed form, from impact to impact.
 
-    meet: velocity and contact, 0 or 1, before an impact to those after it
+    meet: function of velocity and contact, 0 or 1, before an impact that returns those after it
     """
     t, x, v, m = 0.0, 0.0, 0.0, 0
     while True:
@@ -176,9 +176,9 @@ def _free(omega, t0, x0, v0, m, t):
 
 
 def make_valve() -> Problem:
-    """The relief valve of Hős and Champneys, MPGOS's example of impacts; y3 begins at the preload.
+    """Make the relief valve of Hős and Champneys, MPGOS's example; x[2] begins at the preload.
 
-    No closed form: its answers are NaN.
+    It has no closed form: its answers are NaN.
     """
 
     def rate(math):

@@ -1,4 +1,4 @@
-"""Snap or no snap, over a map of the handout's device: the fifth problem of README.md."""
+"""The fifth problem of README.md: snap or no snap on a map of the handout's device."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -18,7 +18,7 @@ SNAP = "snap or no snap"
 FINE = 0.1
 """Step of the plain loop that gives the labels, us."""
 NEAR = -0.002, -0.001, 0.0, 0.001, 0.002
-"""Changes of N, over N, that leave the label of every cell that is asked for."""
+"""Relative changes of N that do not change the label of any cell of the problem."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,16 +32,16 @@ class SnapMap:
     allowed: tuple[float, float] = (0.01, 0.0)
 
     def some(self, which: slice | np.ndarray) -> "SnapMap":
-        """Some of its cells."""
+        """Return the map of some cells."""
         return replace(self, cells=self.cells.take(which), exact=self.exact[which])
 
-    def wrong(self, found: np.ndarray, level: int) -> int:
-        """How many labels differ."""
-        return int(np.sum(found != self.exact))
+    def wrong(self, labels: np.ndarray, level: int) -> int:
+        """Count the labels that differ; the level does not matter."""
+        return int(np.sum(labels != self.exact))
 
 
 def make_map(device: Device) -> SnapMap:
-    """Workload A in three cosines, soft contact, but for cells whose label a touch would turn."""
+    """Make workload A in three cosines, without cells whose label changes within NEAR."""
     cells = map_cells(device)
     blank = SnapMap(build_model(device, "cosines", modes=3), cells, np.zeros(cells.f0.size, bool))
     many = [cells._replace(amplitude=cells.amplitude * (1 + change)) for change in NEAR]
@@ -52,14 +52,14 @@ def make_map(device: Device) -> SnapMap:
 
 
 def map_by_scipy(snaps: SnapMap) -> Solve:
-    """`solve_ivp`, in two legs, pulse and rest, the snap an event."""
-    of = snaps.model.device, snaps.model.modal, "DOP853"
-    follow = cache(lambda tolerance: by_scipy(*of, tolerance))
+    """Label by `solve_ivp`, in the pulse and after it; the snap is an event."""
+    system = snaps.model.device, snaps.model.modal, "DOP853"
+    follow = cache(lambda tolerance: by_scipy(*system, tolerance))
     return lambda tolerance: np.isfinite(follow(tolerance)(snaps.cells))
 
 
 def map_by_plain_loop(snaps: SnapMap) -> Solve:
-    """The plain loop, which ends at w2."""
+    """Label by the plain loop, which ends at w2."""
     model, cells = snaps.model, snaps.cells
     rate, w = compile_rate(model.device, model.modal)
     target = snap_target(model.device)
@@ -83,11 +83,11 @@ def map_by_plain_loop(snaps: SnapMap) -> Solve:
 
 
 def map_by_kernel(snaps: SnapMap) -> Solve:
-    """Our own kernel, every cell to its snap or end."""
+    """Label by our kernel, which follows every cell to its snap or end."""
     open_end = without_proofs(snaps.model)
     return lambda step: np.isfinite(by_model(open_end.with_step(step))(snaps.cells))
 
 
 def map_by_proofs(snaps: SnapMap) -> Solve:
-    """As a sweep does: a cell also ends once its energy proves that it never snaps."""
+    """Label as a sweep does: a cell also ends when its energy proves that it never snaps."""
     return lambda step: np.isfinite(by_model(snaps.model.with_step(step))(snaps.cells))

@@ -1,4 +1,4 @@
-"""Who follows the ensembles of problems.py, each by its own means: x[0] at t_end."""
+"""Solvers of the ensembles of problems.py; each makes a function that returns x[0] at t_end."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,20 +18,20 @@ from snapmap.solver.simd_loop import coefficients, empty_lanes
 from .problems import BALL, WAY, Problem
 
 BISECTIONS = 50
-"""By which the plain loop finds an impact."""
+"""Number of bisections with which the plain loop finds an impact."""
 ALONE = {"gap": 1e4, "contact": 1.0}
-"""Of a mass that never meets the beam."""
+"""Values of a device whose mass never meets the beam."""
 LOOSE = 1e-16
-"""Spring of a falling ball, over the handout's."""
+"""Spring of a falling ball over the handout's."""
 CYCLES = 20.0
-"""Of a pulse's sine: more than any trajectory lasts."""
+"""Number of sines in a pulse, longer than any trajectory."""
 
 Solve = Callable[..., np.ndarray]
-"""A tolerance, and for some a longest step, or a step alone, to x[0] at t_end of all."""
+"""A function of a tolerance and a longest step, or of a step, that returns x[0] at t_end."""
 
 
 def by_scipy(problem: Problem) -> Solve:
-    """`solve_ivp`, DOP853, begun anew after each impact; its right-hand side compiled by numba."""
+    """Solve by DOP853 of `solve_ivp`, restarted after each impact, with a compiled rate."""
     rate = njit(problem.rate(np))
 
     def guard(t, x, q):
@@ -58,13 +58,13 @@ def by_scipy(problem: Problem) -> Solve:
 
 
 def by_plain_loop(problem: Problem) -> Solve:
-    """Fixed steps of Runge and Kutta's fourth order, compiled by numba; impacts by bisection."""
+    """Solve by Runge and Kutta's fourth order in fixed steps, compiled; impacts by bisection."""
     follow = plain_loop(problem)
     return lambda dt: follow(problem.start, problem.q, problem.t_end, dt)[0]
 
 
 def plain_loop(problem: Problem) -> Callable:
-    """Compile it: x[0] at the end of each trajectory, and when that is."""
+    """Compile the loop; it returns x[0] at the end of each trajectory, and its time, (2, n)."""
     rate, guard, reset = (njit(f) for f in (problem.rate(np), problem.guard, problem.reset))
     rest = problem.rest
 
@@ -76,9 +76,9 @@ def plain_loop(problem: Problem) -> Callable:
         for at, weight in ((0.0, 1 / 6), (0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6)):
             for i in range(x.size):
                 middle[i] = x[i] + at * h * slope[i]
-            for i, found in enumerate(rate(t + at * h, middle, q)):
-                slope[i] = found
-                new[i] += weight * h * found
+            for i, change in enumerate(rate(t + at * h, middle, q)):
+                slope[i] = change
+                new[i] += weight * h * change
 
     @njit
     def follow(x, q, t_end, dt):
@@ -111,16 +111,16 @@ def plain_loop(problem: Problem) -> Callable:
 
     @njit
     def follow_all(start, parameters, t_end, dt):
-        found = np.empty((2, t_end.size))
+        ends = np.empty((2, t_end.size))
         for n in range(t_end.size):
-            found[:, n] = follow(start[n].copy(), parameters[n].copy(), t_end[n], dt)
-        return found
+            ends[:, n] = follow(start[n].copy(), parameters[n].copy(), t_end[n], dt)
+        return ends
 
     return follow_all
 
 
 def by_kernel(problem: Problem, device: Device) -> Solve:
-    """Our own kernel: a mass before a stop, its beam out of reach; steps of one length."""
+    """Solve by our kernel in fixed steps: a mass before a stop, with the beam out of reach."""
     omega = device.mass_frequency
     e = problem.q[:, -1]
     frequency = problem.q[:, 0] * omega / (2 * np.pi)
@@ -140,13 +140,13 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
 
     def solve(steps):
         dt = problem.t_end / omega / (steps + 0.5)
-        found = []
+        places = []
         for some in np.split(np.arange(e.size), range(R.LANES, e.size, R.LANES)):
             group, lanes = cells.take(some), empty_lanes(model)
             loads = *group[1:5], np.full(some.size, steps + 1)
             follow_stress(*lanes, rows[some], dt[some], pulses, loads, *no_stress)
             Y = lanes[0][: R.VECTORS * R.LANES].reshape(R.VECTORS, R.LANES)[:, : some.size]
-            found.append(Y[R.Y] - Y[R.DY] / 2)
-        return stop + np.concatenate(found) if problem.name == BALL else np.concatenate(found)
+            places.append(Y[R.Y] - Y[R.DY] / 2)
+        return np.concatenate(places) + (stop if problem.name == BALL else 0.0)
 
     return solve

@@ -1,1 +1,1 @@
-"""Hard cases: which runs are sound, which are caught, and whether any goes wrong unseen."""
+"""Hard cases: runs that are sound, runs whose errors are caught, and runs that are wrong unseen."""

@@ -1,4 +1,4 @@
-"""Hard cases: docs/accuracy.md.
+"""Hard cases and settled cells, for docs/accuracy.md.
 
 ./run python -m studies stability [--device SECTION] [--small]
 
@@ -21,10 +21,10 @@ from .proofs import followed_on
 from .tables import tables
 
 GRID = {"N": linear(600, 2400, 61), "f0": geometric(100, 3e4, 31), "C": [0.025, 25.0, 200.0]}
-"""Of the cells that may settle: multiples of g, Hz, uN us/um."""
+"""Axes of the cells that may settle: multiples of g, Hz, uN us/um."""
 SETTLING = {"model": "cosines", "modes": 4, "horizon": 6000.0, "repeat": True}
 DAMPINGS, SHOWN = [0.0, 4e-4, 4e-3], 25.0
-"""Of the beam, 1/us; the C of which maps are drawn."""
+"""Dampings of the beam, 1/us; C of the maps, uN us/um."""
 
 
 def main() -> None:
@@ -41,7 +41,7 @@ def main() -> None:
         style.save(figure, results("figures/stability"), cases.attrs)
         figure = style.double_column(height=9)
         C = np.clip(SHOWN, None, max(grid["C"]))
-        panels = [(settled.sel(damping=one, C=C), None, ()) for one in few(DAMPINGS, 2)]
+        panels = [(settled.sel(damping=alpha, C=C), None, ()) for alpha in few(DAMPINGS, 2)]
         maps.draw_maps(figure, panels, "f0", "N", shows="ends")
         style.save(figure, results("figures/settled"), settled.attrs)
     print(text)

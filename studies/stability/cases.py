@@ -1,4 +1,4 @@
-"""The hard cases, the device that each asks for, and the models that follow them."""
+"""The hard cases with their devices, and the models that follow them."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -10,16 +10,16 @@ from snapmap.device.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
 
 APART = 1e-9
-"""The amplitudes of a case's cells lie this share apart."""
+"""Relative distance between the amplitudes of a case's cells."""
 
 
 class Case(NamedTuple):
-    """A cell that is hard on the scheme, with near copies of itself.
+    """A cell that is hard for the scheme, with near copies of itself.
 
-    N: multiples of g, or of the model's own threshold if `of_threshold`
-    f0: Hz; C: uN us/um; horizon: us followed after the pulse
-    contact (uN/um), Q (rise over thickness), beam_damping (1/us): the device's own if None
-    cells: how many are followed, each N a share of APART below the one before
+    N: multiples of g, or of the model's threshold if `of_threshold`
+    f0: Hz; C: uN us/um; horizon: time followed after the pulse, us
+    contact (uN/um), Q (rise over thickness), beam_damping (1/us): None for those of the device
+    cells: number of cells; each N is APART below the one before, relative
     """
 
     name: str
@@ -63,11 +63,11 @@ MODELS = {
     "20 elements, 4 modes": {"name": "elements", "elements": 20, "modes": 4},
     "reference": {"name": "reference"},
 }
-"""Name and options of each model, by what the figure calls it."""
+"""Name and options of each model, by its label in the figure."""
 
 
 def changed(device: Device, case: Case) -> Device:
-    """The device that a case asks for."""
+    """Return the device with the changes of a case."""
     beam = device.beam
     if case.Q is not None:
         beam = replace(beam, rise=case.Q * beam.thickness)

@@ -27,13 +27,13 @@ READING = (
 COLUMNS = 4
 """Panels side by side."""
 LEGEND, PANEL = 1.6, 2.0
-"""Heights of the legend with the ticks, and of a row of panels, in."""
+"""Height of the legend with the ticks, and of a row of panels, in."""
 GAP = 0.4
-"""Between the columns of the steps and that of the default step, in columns."""
+"""Gap between the columns of the steps and that of the default step, in columns."""
 
 
 def draw_panels(figure: Figure, cases: xr.Dataset) -> np.ndarray:
-    """Draw a panel for each model on an empty figure, as high as that takes; returns the axes."""
+    """Draw a panel for each model on an empty figure, and set its height; returns the axes."""
     models = cases.model.values.tolist()
     rows = -(-len(models) // COLUMNS)
     figure.set_figheight(LEGEND + PANEL * rows)
@@ -55,7 +55,7 @@ def draw_panels(figure: Figure, cases: xr.Dataset) -> np.ndarray:
 def draw_panel(ax: Axes, cases: xr.Dataset) -> Axes:
     """Draw one model's verdicts over steps and cases, with the exponents of the energy errors.
 
-    The last column is what a sweep gives: the default step, halved where a ledger does not close.
+    The last column is a sweep: it takes the default step, and halves it if a ledger does not close.
     """
     steps, default = np.arange(cases.step.size), cases.step.size + GAP
     _draw_cells(ax, steps, cases.verdict, cases.energy_error)
@@ -84,7 +84,7 @@ def _draw_cells(ax, columns, verdict, error):
 
 
 def exponent(error: float) -> str:
-    """Decimal exponent of an energy error, rounded up; the signs of infinity and 0 as they are."""
+    """Write the decimal exponent of an energy error, rounded up; ∞ and 0 as they are."""
     if error == 0:
         return "0"
     return f"{int(np.ceil(np.log10(error)))}".replace("-", "−") if np.isfinite(error) else "∞"

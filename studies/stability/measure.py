@@ -1,4 +1,4 @@
-"""Follow every hard case with every model at many steps, and judge what was found."""
+"""Follow every hard case with every model at many steps, and judge the runs."""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -25,10 +25,10 @@ from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, VERDICTS, Runs, judge, snap_sh
 STEPS = (0.2, 0.4, 0.6, 0.8, 0.9, 1.0, 1.05)
 FINE_STEPS = (0.1, 0.075)
 SEARCHED = (300.0, 3000.0)
-"""Where the threshold is looked for, multiples of g."""
+"""Range of the search for the threshold, multiples of g."""
 BUDGET = 18.0
-"""The steps of a case are left out if they would take longer, s; if one run takes an eighth of it,
-the case is."""
+"""Most time for all steps of a case, s, else only the default step runs; a case whose default step
+takes an eighth of it is left out."""
 VARIABLES = {
     "limit": {"long_name": "stability limit of the time step", "units": "us"},
     "outcome": {**variables("cube")["outcome"], "long_name": "outcome of the case's first cell"},
@@ -59,16 +59,16 @@ def measure(
     steps: Sequence[float] = STEPS,
     threads: int = 1,
 ) -> xr.Dataset:
-    """Follow every case with every model at every step, as shares of its stability limit.
+    """Follow every case with every model at every step.
 
-    models: name and options of each, by what the dataset calls it
-    The variables named default_* hold what a sweep gives: it takes the model's own step, and
-    halves it where a ledger does not close.
+    models: name and options of each, by label; steps: shares of the stability limit
+    The variables default_* are those of a sweep, which takes the default step, and halves it if a
+    ledger does not close.
     """
     pairs = list(product(cases, models.values()))
     with ThreadPoolExecutor(threads) as pool:
-        found = list(pool.map(lambda pair: measure_pair(device, *pair, steps), pairs))
-    values = {key: np.array([one[key] for one in found]) for key in found[0]}
+        measured = list(pool.map(lambda pair: measure_pair(device, *pair, steps), pairs))
+    values = {key: np.array([pair[key] for pair in measured]) for key in measured[0]}
     return dress(cases, models, steps, values)
 
 
@@ -78,27 +78,27 @@ def dress(
     steps: Sequence[float],
     values: Mapping[str, np.ndarray],
 ) -> xr.Dataset:
-    """Give what was found its axes and CF attributes.
+    """Make a dataset of values with axes and CF attributes.
 
-    values: by name, of every pair of case and model, cases first: (pairs,) or (pairs, steps)
+    values: by name, of all pairs of case and model, cases first, (pairs,) or (pairs, steps)
     """
     axes = {"case": [case.name for case in cases], "model": list(models), "step": list(steps)}
     data = {}
-    for name, one in values.items():
-        shape = (len(cases), len(models), *one.shape[1:])
-        dtype = float if one.dtype.kind == "f" else np.int8
+    for name, column in values.items():
+        shape = (len(cases), len(models), *column.shape[1:])
+        dtype = float if column.dtype.kind == "f" else np.int8
         attributes = VARIABLES[name.removeprefix("default_")]
-        data[name] = (tuple(axes)[: len(shape)], one.reshape(shape).astype(dtype), attributes)
+        data[name] = (tuple(axes)[: len(shape)], column.reshape(shape).astype(dtype), attributes)
     return xr.Dataset(data, axes).assign_attrs(Conventions="CF-1.11", title="Hard cases")
 
 
 def measure_pair(
     device: Device, case: Case, options: Mapping, steps: Sequence[float]
 ) -> dict[str, object]:
-    """The values of one case and one model, by the dataset's names of them.
+    """Follow one case with one model; returns values by the names of the dataset.
 
-    options: of the model, its name included; steps: shares of its stability limit
-    A list holds one value for each step.
+    options: of the model, with its name; steps: shares of its stability limit
+    A list holds a value for each step.
     """
     device = changed(device, case)
     try:
@@ -116,13 +116,13 @@ def measure_pair(
 
 
 def _default_step(device, model, case):
-    """The step in which a sweep tells where the case stays, us."""
+    """The default step of a sweep for the case, us."""
     cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
     return model.steps.of(cells, settings.question).item()
 
 
 def _follow(case, model, limit, steps):
-    """What is judged: with fine steps unless that takes too long, and the default step always."""
+    """Values at the default step, and also at all steps unless that takes too long."""
     cells, settings = _cells(model, case, limit), Settings(case.horizon)
 
     @cache
@@ -133,14 +133,15 @@ def _follow(case, model, limit, steps):
     if _seconds(model, case, limit * np.array([*FINE_STEPS, *steps])) < BUDGET:
         fine = Runs(*np.hstack([follow_at(step * limit) for step in FINE_STEPS]))
         at_steps = [_summary(follow_at(step * limit), fine) for step in steps]
-        values = {key: [one[key] for one in at_steps] for key in at_steps[0]}
-    seen = model.follow(cells, settings)
-    values |= {f"default_{key}": value for key, value in _summary(_to_runs(seen), fine).items()}
-    return values | {"halvings": seen.halvings.max()}
+        values = {key: [summary[key] for summary in at_steps] for key in at_steps[0]}
+    observed = model.follow(cells, settings)
+    at_default = _summary(_to_runs(observed), fine)
+    values |= {f"default_{key}": value for key, value in at_default.items()}
+    return values | {"halvings": observed.halvings.max()}
 
 
 def _seconds(model, case, steps):
-    """Expected time of one run at each step (us); only for leaving out what takes too long."""
+    """Expected time of the runs at some steps, us, in s; it decides what is left out."""
     nanoseconds = 40 * LANES if model.name == "reference" else 60 + model.modes**2
     duration = 1e6 / case.f0 + case.horizon
     groups = np.ceil(case.cells / LANES)
@@ -151,28 +152,27 @@ def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
         fine = stepped(model, FINE_STEPS[0] * limit)
-        row = to_rows(0, case.f0, case.C)
-        asked = SEARCHED, Settings(horizon=300.0)
-        N *= lowest_snap(fine, row, *asked, tolerance=10 * APART)[0]
+        row, settings = to_rows(0, case.f0, case.C), Settings(horizon=300.0)
+        N *= lowest_snap(fine, row, SEARCHED, settings, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))
     return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
 
 
-def _to_runs(seen):
-    outcome = label(*seen[:4], Settings().energy_tolerance)
-    return Runs(outcome, seen.t_snap, seen.t_settled, seen.energy_error)
+def _to_runs(observed):
+    outcome = label(*observed[:4], Settings().energy_tolerance)
+    return Runs(outcome, observed.t_snap, observed.t_settled, observed.energy_error)
 
 
 def _blank(steps, verdict):
-    """What stands for a case that is not run, and why."""
-    one = {"outcome": FAILED, "energy_error": np.nan, "snap_shift": np.nan, "verdict": verdict}
-    at_steps = {key: [value] * len(steps) for key, value in one.items()}
-    default = {f"default_{key}": value for key, value in one.items()}
+    """Values of a case that is not run; the verdict tells why."""
+    blank = {"outcome": FAILED, "energy_error": np.nan, "snap_shift": np.nan, "verdict": verdict}
+    at_steps = {key: [value] * len(steps) for key, value in blank.items()}
+    default = {f"default_{key}": value for key, value in blank.items()}
     return {"limit": np.nan, "default_step": np.nan, "halvings": -1, **at_steps, **default}
 
 
 def _summary(runs, fine):
-    """The first cell's outcome, and the worst of the others' energy error, shift and verdict."""
+    """The outcome of the first cell, and the worst energy error, shift and verdict of all."""
     return {
         "outcome": runs.outcome[0],
         "energy_error": np.nan_to_num(runs.energy_error, nan=np.inf).max(),

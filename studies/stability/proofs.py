@@ -1,4 +1,4 @@
-"""How many proven runs stay in their wells if they are followed on for 10 ms."""
+"""Whether proven runs stay in their wells for another 10 ms."""
 
 from dataclasses import replace
 from itertools import product
@@ -24,9 +24,7 @@ MODELS = {
 DAMPINGS = (0.025, 25.0)
 SETTINGS = Settings(threads=2)
 FURTHER = 10_000.0
-"""How long runs are followed on after the pulse, us."""
-
-
+"""Time for which runs are followed after the pulse, us."""
 HEAD = ["beam", "contact, N/m", "model", "proven", "left their well"]
 FREE = {"free": 1.0, "imperfection": 0.02, "thickness": 1.4, "residual_stress": -40.0}
 FREE |= {"damping": 4e-4}
@@ -34,43 +32,43 @@ FREE |= {"damping": 4e-4}
 
 
 def followed_on(device: Device) -> str:
-    """A table of how many cells are proven, and how many of these leave their well later on."""
+    """Make a table of how many cells are proven, and how many of these leave their well later."""
     rows = []
     tilting = replace(device, beam=replace(device.beam, **FREE))
     for (name, beam), contact, label in product(
         few({"guided": device, "free": tilting}).items(), few((40.0, np.inf)), few(MODELS)
     ):
         model = build_model(replace(beam, contact=contact), **MODELS[label])
-        found = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
-        rows.append([name, f"{contact:g}", label, *(str(number) for number in found)])
+        counts = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
+        rows.append([name, f"{contact:g}", label, *(str(number) for number in counts)])
     return table(HEAD, rows)
 
 
 def count(model, C):
-    """How many cells are proven at the model's own step, and how many of them leave their well."""
+    """Count the cells that are proven at the default step, and those of them that leave."""
     f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
-    seen = model.follow_once(cells, SETTINGS)
-    settled = np.isfinite(seen.t_settled)
-    proven = np.flatnonzero(settled & (seen.energy_error <= SETTINGS.energy_tolerance))
+    observed = model.follow_once(cells, SETTINGS)
+    settled = np.isfinite(observed.t_settled)
+    proven = np.flatnonzero(settled & (observed.energy_error <= SETTINGS.energy_tolerance))
     left = 0
     for first in range(0, proven.size, LANES):
         some = proven[first : first + LANES]
-        left += leavers(model, cells.take(some), seen.t_settled[some], seen.well[some])
+        left += leavers(model, cells.take(some), observed.t_settled[some], observed.well[some])
     return proven.size, left
 
 
 def leavers(model, cells, t_settled, well):
-    """How many of up to LANES cells are on the other side of the saddle after their proof.
+    """Count cells, LANES at most, that are on the other side of the saddle after their proof.
 
-    t_settled, well: of each, as observed
+    t_settled, well: as observed, (cells,)
     """
     dt, saddle = model.steps.of(cells, STAY), model.barrier.midpoint
     steps = np.ceil((1 / cells.f0 + FURTHER) / dt).astype(int)
     left = np.zeros(dt.size, bool)
     for first, w in midpoints(model, cells, dt, steps.max()):
         later = (first + np.arange(len(w)) + 0.5)[:, np.newaxis] * dt >= t_settled
-        # A run that has blown up since is on neither side.
+        # A run that blew up is on neither side.
         stays = np.where(well == 1, w > saddle, w < saddle)
         left |= (later & ~stays).any(axis=0)
     return int(left.sum())

@@ -18,13 +18,13 @@ MARKS = {
 
 
 def tables(cases, settled):
-    """Of the hard cases and of the settled cells, as Markdown."""
-    made = default_table(cases), step_table(cases), wrong_list(cases), settled_table(settled)
-    return "\n".join(made)
+    """Write the tables of the hard cases and of the settled cells in Markdown."""
+    of_cases = default_table(cases), step_table(cases), wrong_list(cases)
+    return "\n".join([*of_cases, settled_table(settled)])
 
 
 def default_table(cases):
-    """What a sweep gives for every case (rows) and model (columns)."""
+    """Write the outcome of a sweep for every case (rows) and model (columns)."""
     models = cases.model.values.tolist()
     rows = [
         [case, *(_default_entry(cases.sel(case=case, model=model)) for model in models)]
@@ -43,7 +43,7 @@ def _default_entry(pair):
 
 
 def step_table(cases):
-    """How many pairs of case and model have which verdict, for each step."""
+    """Write the number of pairs of case and model with each verdict, for each step."""
     shown = [code for code, name in enumerate(VERDICTS) if name != "unchecked"]
     rows = [
         [f"{step:g}", *_counts(cases.verdict.sel(step=step), shown)] for step in cases.step.values
@@ -57,7 +57,7 @@ def _counts(verdicts, shown):
 
 
 def wrong_list(cases):
-    """All that was believed and is wrong, or whose snap time is."""
+    """List the believed runs that are wrong, or whose snap time is."""
     at_default = cases[["default_verdict", "default_snap_shift"]].rename(
         default_verdict="verdict", default_snap_shift="snap_shift"
     )
@@ -65,15 +65,15 @@ def wrong_list(cases):
     lines = []
     for name, run in {**runs, "default step": at_default}.items():
         for i, j in zip(*np.nonzero(np.isin(run.verdict, (SHIFTED, UNSEEN))), strict=True):
-            one = run.isel(case=i, model=j)
-            place = f"{name}, {one.case.item()}, {one.model.item()}"
-            shift = f"snap time off by {one.snap_shift.item():.1%}"
-            lines.append(f"- {place}: {VERDICTS[int(one.verdict)]}, {shift}")
+            pair = run.isel(case=i, model=j)
+            place = f"{name}, {pair.case.item()}, {pair.model.item()}"
+            shift = f"snap time off by {pair.snap_shift.item():.1%}"
+            lines.append(f"- {place}: {VERDICTS[int(pair.verdict)]}, {shift}")
     return "\n".join([*(lines or ["None is believed and wrong."]), ""])
 
 
 def settled_table(settled):
-    """Shares of the cells that are proven, open and reproduced, by damping of beam and mass."""
+    """Write the shares of proven, open and reproduced cells, by damping of beam and mass."""
     head = ["beam damping (1/µs)", "C (µN µs/µm)", "do not snap", "of these proven", "snap"]
     head += ["of these latched", "returned", "open", "failed", "all: reproduced"]
     head += ["proven: reproduced"]

@@ -1,4 +1,4 @@
-"""Verdicts on runs, by runs of the same cell with fine steps."""
+"""Verdicts on runs, by comparison with runs of the same cell in fine steps."""
 
 from enum import IntEnum
 from typing import NamedTuple
@@ -9,7 +9,7 @@ from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 
 
 class Verdict(IntEnum):
-    """Up to UNSEEN ever worse: the verdict on several cells is the highest of theirs."""
+    """Verdicts, ascending in severity up to UNSEEN; the highest counts for several cells."""
 
     SOUND = 0
     SENSITIVE = 1
@@ -24,10 +24,10 @@ class Verdict(IntEnum):
 SOUND, SENSITIVE, SHIFTED, UNCHECKED, CAUGHT, UNSEEN, REFUSED, LEFT_OUT = Verdict
 VERDICTS = tuple(verdict.name.lower() for verdict in Verdict)
 SAME_SNAP = 0.02
-"""Two runs snap alike if the times differ by less than this share."""
+"""Largest relative difference between the snap times of runs that snap alike."""
 SAME_PROOF = 0.05
-"""Fine runs whose times of proof differ by more than this share are chaotic, whatever they prove.
-A proof is looked for every 128 steps only."""
+"""Largest relative difference between the times of proof of fine runs that are not chaotic; it is
+not 0, as the solver seeks a proof only every 128 steps."""
 
 
 class Runs(NamedTuple):
@@ -43,11 +43,13 @@ NO_RUNS = Runs(*np.empty((4, 0)))
 
 
 def judge(runs: Runs, fine: Runs) -> np.ndarray:
-    """Verdict on each run of one case, by runs of it with fine steps; int8.
+    """Judge each run of one case by runs with fine steps; returns int8, (runs,).
 
-    `caught`: it failed, and says so. `unseen`: it is believed, and the fine runs agree on another
-    outcome: whether the beam snaps, or in which well it stays for ever. `shifted`: on another
-    snap time. `sensitive`: the fine runs disagree among themselves. `unchecked`: there are none.
+    - `caught`: the run failed, and says so
+    - `unseen`: it is believed, but the fine runs agree on another snap or another well for ever
+    - `shifted`: the fine runs agree on another snap time
+    - `sensitive`: the fine runs disagree among themselves
+    - `unchecked`: there are no fine runs
     """
     fine = Runs(*(values[fine.outcome != FAILED] for values in fine))
     if fine.outcome.size == 0:
@@ -67,14 +69,14 @@ def judge(runs: Runs, fine: Runs) -> np.ndarray:
 
 
 def snap_shift(runs: Runs, fine: Runs) -> np.ndarray:
-    """Difference of each run's snap time from the fine runs' median, over it; NaN without one."""
+    """Return each run's relative difference to the fine runs' median snap time, or NaN; (runs,)."""
     known = fine.t_snap[np.isfinite(fine.t_snap) & (fine.outcome != FAILED)]
     median = np.median(known) if known.size else np.nan
     return np.where(runs.outcome == FAILED, np.nan, np.abs(runs.t_snap / median - 1))
 
 
 def _spread(times):
-    """Largest difference over the largest time; 0 if there are no times."""
+    """Largest difference of times over the largest time; 0 without times."""
     times = times[np.isfinite(times)]
     return np.ptp(times) / times.max() if times.size else 0.0
 

@@ -10,7 +10,7 @@ def drawn_from(study):
 
 
 def figures(study):
-    """A figure, unless a force pushes the beam: it changes no velocity of the frame."""
+    """A figure, unless a force pushes the beam: then the velocity of the frame does not change."""
     from ...config.devices import nominal
     from ...config.views import choose_boundary
 

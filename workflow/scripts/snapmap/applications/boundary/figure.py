@@ -11,15 +11,15 @@ from ...figures.thresholds import draw_statics, title
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "black", "alpha": 0.08, "linewidth": 0, "zorder": 0}
 FAR = 1e9
-"""Beyond the edges of any axes, as a factor."""
+"""Factor that leads from any point in the axes beyond their edges."""
 
 
 def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> Axes:
-    """Draw N_first over the velocity change (m/s) for each line, and what snaps.
+    """Draw N_first over the velocity change (m/s) for each line, and shade the region that snaps.
 
-    thresholds: over f0 and the axis `lines`; of many lines some are drawn
-    Along dotted lines the duration of the pulse is constant; what lies above each curve, of the
-    durations that it has, is shaded: the darker, the more of them snap.
+    thresholds: over f0 and the axis `lines`; only some of many lines are drawn
+    The duration of the pulse is constant along a dotted line. The region above each curve is
+    shaded, for its range of durations; regions of several lines overlap and are darker there.
     """
     thresholds = curves.some_lines(thresholds, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
@@ -48,7 +48,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
 
 
 def _draw_region(ax, thresholds):
-    """Shade what snaps at the durations of a curve; where it has a hole, the shade has one."""
+    """Shade the region above each stretch of a curve between its holes."""
     thresholds = thresholds.sortby("f0", ascending=False)
     N, v = thresholds.N_first.values, curves.velocity_change(thresholds).values
     known = np.flatnonzero(np.isfinite(N))
@@ -60,7 +60,7 @@ def _draw_region(ax, thresholds):
 
 
 def _draw_durations(ax, thresholds):
-    """Draw lines of constant pulse duration, one a decade, named where they leave the axes."""
+    """Draw a line of constant pulse duration for each decade, named where it leaves the axes."""
     first, last = np.log10(thresholds.f0.values[[0, -1]])
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):

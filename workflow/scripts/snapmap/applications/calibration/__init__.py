@@ -1,7 +1,7 @@
 """Values of a device estimated from measured shots.  Imports: core alone."""
 
 public = {"calibrate": "dataset"}
-rule, message = "fit_calibration", "Read values of the device off measured shots"
+rule, message = "fit_calibration", "Estimate values of the device from measured shots"
 part, threads, priority = "6 Devices as made", 4, 45
 
 
@@ -21,7 +21,7 @@ def described():
 
 
 def request(section, study, document):
-    """Shots, unknowns and C."""
+    """The `Calibration`, or None; ValueError, one line, for an invalid section."""
     from .sections import read_calibration
 
     if not section:
@@ -40,7 +40,7 @@ def outputs(study):
 
 
 def params(study):
-    """Files, unknowns and C."""
+    """Files with their SHA-256, unknowns and C."""
     return {"calibration": list(study.requests["calibration"][1:])}
 
 

@@ -1,4 +1,4 @@
-"""A device read off its shots, as an xarray dataset: estimates, intervals, residuals."""
+"""Estimates of a device from its shots as an xarray dataset, with intervals and residuals."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,13 +23,14 @@ from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, surface_of
 
 DIGITS = 6
-"""Of what is fitted; the library's own last digits are not those of every machine."""
+"""Significant digits of fitted values; SciPy's last digits differ between machines."""
 INSIDE = 300
-"""Places within the intervals over which the likelihood of spreads is summed, about."""
+"""Approximate number of places in the intervals at which `_spreads` sums the likelihood."""
 FINE, LEAST_LOG = 2001, -100.0
-"""Places between values of a likelihood, and its least logarithm, as 0 has none."""
+"""Number of places on which a likelihood is interpolated, and the logarithm that replaces that of
+0."""
 NEAR = 2.0
-"""Times a threshold: campaigns with no shot as near tell nothing of a device."""
+"""Shots of which none is within this factor of a threshold do not tell anything of the device."""
 
 
 def _is_table(value):
@@ -106,7 +107,7 @@ def calibrate(
 
 
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
-    """Find the values of a study's device from its shots, as `calibrate` returns them."""
+    """Estimate values of a study's device from shots, as `calibrate` returns them."""
     surface = surface_of(study, shots.groups, unknowns, C)
     corners = surface.logs.reshape(-1, len(shots.groups))
     low, high = (end[shots.group] for end in (corners.min(axis=0), corners.max(axis=0)))
@@ -125,7 +126,7 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
 
 
 def fit(shots: Shots, surface: Surface) -> xr.Dataset:
-    """Fit shots to thresholds over the ranges of unknowns."""
+    """Fit unknowns to shots by thresholds over their ranges; returns a dataset without config."""
     likelihood = Likelihood(shots, surface.error)
     nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.groups)))
     nodes = nodes.reshape(surface.logs.shape[:-1])
@@ -167,9 +168,9 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
 
 
 def _spreads(likelihood, surface, low, high, freedom):
-    """Mean of the spread, and its interval at 95 %.
+    """Mean of the spread, and the ends of its interval at 95 %, (3,).
 
-    low, high: of the unknowns' intervals, as shares of their ranges
+    low, high: intervals of the unknowns as shares of their ranges, (unknowns,)
     """
     half = (high - low) / 2
     low, high = np.clip([low - half, high + half], 0.0, 1.0)
@@ -182,7 +183,7 @@ def _spreads(likelihood, surface, low, high, freedom):
 
 
 def _ends(x, likelihood, freedom):
-    """The ends of an interval at 95 %, between values of a likelihood."""
+    """Ends of the interval at 95 % of a likelihood known at x, (n,)."""
     fine = np.linspace(x[0], x[-1], FINE)
     with np.errstate(divide="ignore"):
         logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
@@ -191,7 +192,7 @@ def _ends(x, likelihood, freedom):
 
 
 def summary(fitted: xr.Dataset) -> str:
-    """One line: each value with its interval, and the spread."""
+    """Write in a line each estimate with its interval, and the spread."""
     words = [f"{fitted.sizes['shot']} shots"]
     for key in fitted.unknown.values:
         unknown = fitted.sel(unknown=key)
@@ -203,6 +204,6 @@ def summary(fitted: xr.Dataset) -> str:
 
 
 def _rounded(values):
-    """Round values to DIGITS, as an array."""
+    """Round values to DIGITS; returns an array."""
     values = np.asarray(values, float)
     return np.vectorize(lambda x: float(f"{x:.{DIGITS}g}"))(values) if values.size else values

@@ -18,7 +18,7 @@ SURE = {"color": "#d55e00", "alpha": 0.35, "linewidth": 0, "label": "its 95 % in
 SCATTERS = {"color": "0.88", "linewidth": 0, "label": "where 95 % of the thresholds lie"}
 SIDES = {False: ("did not trip (left of its frequency)", -1), True: ("tripped (right of it)", 1)}
 ASIDE, WIDEST = 1.01, 1.2
-"""Factors: of f0 by which shots of one kind stand apart, and of room beyond the outermost."""
+"""Factors on f0 between tripped and other shots, and on the range of an axis beyond its data."""
 
 
 def draw_calibration(figure: FigureBase, data: xr.Dataset) -> None:
@@ -31,7 +31,7 @@ def draw_calibration(figure: FigureBase, data: xr.Dataset) -> None:
 
 
 def panels(data: xr.Dataset) -> list[xr.Dataset]:
-    """The shots of each shape and direction."""
+    """Split shots by shape and direction; the attribute `panel` names both."""
     pairs = zip(data["shape"].values, data.direction.values, strict=True)
     words = [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
     names = np.array(words)
@@ -44,8 +44,8 @@ def panels(data: xr.Dataset) -> list[xr.Dataset]:
 def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw shots of one shape and direction over f0 and N, filled where the device tripped.
 
-    The line is the fitted threshold, with its interval at 95 %, and about it the band within which
-    95 % of the shots of one level change sides.
+    A line is the fitted threshold, with its interval at 95 %. The wider band holds 95 % of the
+    thresholds of single shots.
     """
     ax.set_title(literal(data.attrs["panel"]))
     f0, first = np.unique(data.f0.values, return_index=True)
@@ -70,7 +70,7 @@ def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
 
 
 def calibration_text(data: xr.Dataset) -> str:
-    """The values that were fitted, with their intervals, in words."""
+    """Write the estimates with their intervals, and the spread."""
     words = []
     for name in data.unknown.values:
         unknown, quantity = data.sel(unknown=name), QUANTITIES[name]

@@ -1,4 +1,4 @@
-"""How likely shots are: where the likelihood of unknowns is greatest, and what it leaves open."""
+"""The likelihood of shots: its maximum over the unknowns, and intervals by its profile."""
 
 from collections.abc import Callable
 
@@ -12,18 +12,18 @@ from .shots import Shots
 from .surface import Surface
 
 SPREADS = geometric(0.003, 0.5, 16)
-"""Relative standard deviations of a threshold, from shot to shot."""
+"""Spreads, relative standard deviations of a threshold from shot to shot, that are tried."""
 CHUNK = 2_000_000
-"""Numbers that are held at a time."""
+"""Numbers held in memory at a time."""
 CONFIDENCE = 0.95
 CLOSE = 1e-5
-"""Of a place, as a share of the range, and of a likelihood's logarithm."""
+"""Tolerance of a maximum, in shares of the ranges and in the logarithm of the likelihood."""
 ENDS = 1e-4
-"""Of the ends of an interval, as a share of the range."""
+"""Tolerance of the ends of an interval, as a share of the range."""
 STEP = 0.02
-"""Of a derivative, as a share of the range."""
+"""Step of a derivative, as a share of the range."""
 FLAT = 12.0
-"""One over the variance of a place in its range, of which nothing is known but the range."""
+"""Information of a uniform distribution over the range, 1/variance in shares of the range."""
 
 
 class Likelihood:
@@ -33,13 +33,13 @@ class Likelihood:
     """
 
     def __init__(self, shots: Shots, error: np.ndarray):
-        """Take shots; error: of thresholds, relative, (groups,)."""
+        """Take shots; error: relative error of interpolated thresholds, (groups,)."""
         self.group, self.log_N = shots.group, np.log(shots.N)
         self.sign = np.where(shots.tripped, 1.0, -1.0)
         self.error = error[self.group]
 
     def of(self, logs: np.ndarray) -> np.ndarray:
-        """Logarithm of the likelihood of thresholds ln N, (n, groups): (n, spreads)."""
+        """Return the logarithm of the likelihood, (n, spreads); logs: ln N_first, (n, groups)."""
         scale, likely = np.sqrt(SPREADS[:, None] ** 2 + self.error**2), []
         for part in np.array_split(logs, -(-len(logs) * scale.size // CHUNK)):
             apart = (self.log_N - part[:, self.group])[:, None]
@@ -47,35 +47,37 @@ class Likelihood:
         return np.concatenate(likely)
 
     def integrated(self, logs: np.ndarray) -> np.ndarray:
-        """The same, (n,), over all spreads, each as likely as another.
+        """Return the logarithm of the likelihood summed over SPREADS, (n,).
 
-        Shots that are parted by a gap have no likeliest spread but 0; the integral has a maximum.
+        If a gap separates both outcomes, the likeliest spread is 0; the sum still has a maximum.
         """
         return logsumexp(self.of(logs) + np.log(SPREADS), axis=1)
 
 
 def reach(freedom: int) -> float:
-    """Standard deviations within which 95 % lie, by Student; freedom: shots beyond the unknowns."""
+    """Return how many standard deviations hold 95 % by Student's t; freedom: its degrees."""
     return t.ppf((1 + CONFIDENCE) / 2, max(1, freedom))
 
 
 class Profile:
-    """A likelihood over the unit cube.
+    """The profile of a likelihood over the unit cube.
 
-    log: of places, (n, unknowns): its logarithm, (n,); nodes: that at the points of an even grid
+    log: function of places, (n, unknowns), that returns the likelihood's logarithm, (n,)
+    nodes: that logarithm at the points of an even grid, with an axis for each unknown
+    best, most: place of the maximum, and the logarithm there
     """
 
     def __init__(self, log: Callable, nodes: np.ndarray):
-        """Climb to the greatest likelihood from the best point of the grid."""
+        """Find the maximum, from the best point of the grid."""
         self.log, self.nodes = log, nodes
         self.axes = [np.linspace(0.0, 1.0, size) for size in nodes.shape]
         start = np.array([*np.unravel_index(np.argmax(nodes), nodes.shape)]) / (nodes.shape[0] - 1)
         self.best, self.most = self._climb(start, np.ones(nodes.ndim, bool))
 
     def interval(self, k: int, freedom: int) -> tuple[float, float]:
-        """The interval at 95 % of an unknown, by its number, from the profile of the likelihood.
+        """Find the interval at 95 % of unknown k, as shares of its range.
 
-        Student's t takes the place of the normal distribution, as the spread is estimated too.
+        Student's t replaces the normal distribution, as the spread is estimated too.
         """
         least = self.most - reach(freedom) ** 2 / 2
         others = tuple(i for i in range(self.nodes.ndim) if i != k)
@@ -83,7 +85,7 @@ class Profile:
         return tuple(self._end(k, least, inside, side) for side in (-1, 1))
 
     def _end(self, k, least, inside, side):
-        """The outermost place on one side, -1 or 1, at which the profile is above `least`."""
+        """The outermost place at which the profile is at least `least`; side: -1 or 1."""
         known = side * max(side * np.append(inside, self.best[k]))
         beyond = self.axes[k][side * self.axes[k] > side * known][::side]
         for value in beyond:
@@ -93,7 +95,7 @@ class Profile:
         return known
 
     def _profile(self, k, value):
-        """The greatest likelihood at a value of one unknown."""
+        """The maximum of the logarithm with unknown k at a value."""
         nodes = self.nodes.take(np.argmin(abs(self.axes[k] - value)), k)
         best = np.unravel_index(np.argmax(nodes), nodes.shape)
         free = np.arange(self.nodes.ndim) != k
@@ -103,7 +105,7 @@ class Profile:
         return self._climb(starts[np.argmax(self.log(starts))], free)[1]
 
     def _climb(self, start, free):
-        """Place and logarithm of the greatest likelihood, with these coordinates free."""
+        """Place and logarithm of the maximum over the free coordinates, a mask, from a start."""
         place = start.copy()
         if not free.any():
             return place, self.log(place[None])[0]
@@ -126,17 +128,18 @@ class Profile:
 def information_at(
     place: np.ndarray, surface: Surface, likelihood: Likelihood, spread: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fisher's information of shots at a place, shares of the ranges, at a relative spread.
+    """Find the covariance of the unknowns, as shares of their ranges, by Fisher's information.
 
-    Returns the covariance of the unknowns, ranges being known, and the slopes of ln N, (groups,
-    unknowns).
+    place: estimates as shares of the ranges; spread: relative
+    Returns the covariance, (unknowns, unknowns), with the ranges as prior knowledge, and the
+    slopes of ln N_first, (groups, unknowns).
     """
     steps = STEP * np.eye(place.size)
     above, below = (np.clip(place + side * steps, 0.0, 1.0) for side in (1, -1))
     apart = (above - below).sum(axis=1)
     slopes = ((surface.at(above) - surface.at(below)) / apart[:, None]).T
     z = (likelihood.log_N - surface.at(place[None])[0, likelihood.group]) / spread
-    # phi^2 / (Phi (1 - Phi)), without a loss of digits far out.
+    # phi^2 / (Phi (1 - Phi)) by logarithms, which keep their digits in the tails.
     weight = np.exp(-z * z - log_ndtr(z) - log_ndtr(-z)) / (2 * np.pi * spread * spread)
     of_shots = slopes[likelihood.group]
     information = np.einsum("i,ij,ik->jk", weight, of_shots, of_shots) + FLAT * np.eye(place.size)

@@ -1,4 +1,4 @@
-"""The section `calibration`: measured shots, and what is read off them."""
+"""The section `calibration`: measured shots, and the unknowns that they determine."""
 
 from collections.abc import Mapping
 from typing import Annotated, NamedTuple
@@ -17,7 +17,7 @@ from .shots import Shots, check_ranges, read_shots, shots_from
 
 
 def _span(name, kind, example=""):
-    """Where an unknown is looked for."""
+    """Make the type of the range of an unknown."""
     pair = tuple[quantity(kind), quantity(kind)]
     need = f"a pair of values: its range, each {KINDS[kind].name}"
     return Annotated[pair, words(need, "", example, "it is known")]
@@ -42,10 +42,10 @@ class CalibrationSection(Section):
 
 
 class Calibration(NamedTuple):
-    """What is asked of measured shots.
+    """Measured shots and the unknowns to estimate from them.
 
-    files: SHA-256 of the table of shots and of recorded shocks that it names, by path
-    unknowns: ranges by name, internal units; C: uN us/um, unless it is unknown
+    files: SHA-256 of the table of shots and of the records that it names, by path
+    unknowns: ranges by name, internal units; C: uN us/um, or None if it is unknown
     """
 
     shots: Shots
@@ -57,9 +57,10 @@ class Calibration(NamedTuple):
 def read_calibration(
     section: CalibrationSection, device: Device | Mapping, shocks: Shocks, C: np.ndarray
 ) -> Calibration:
-    """Take the section; ValueError, one line, for what cannot be.
+    """Take the section; raises ValueError, one line, for invalid ones.
 
-    shocks: of shots that name none, their first; C: of the sweep, taken if it is one value
+    shocks: the first of them is the default of shots; C: of the sweep; a single value is the
+        default
     """
     unknowns = {key: list(ends) for key, ends in section.unknowns.given.items()}
     damping = section.C

@@ -1,4 +1,4 @@
-"""A table of shots: what the device was given, and whether it tripped."""
+"""A table of shots: the shocks of a campaign, and whether the device tripped."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,16 +18,17 @@ from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
-"""Columns of words in a table of shots, with their meanings; None where any word goes."""
+"""Columns of words in a table of shots, with the meanings of words; None accepts any word."""
 FEWEST = 3
+"""Least number of shots."""
 MOST = 4
-"""Unknowns: the grid of thresholds grows with the power of their number."""
+"""Largest number of unknowns, as the grid of thresholds grows exponentially with it."""
 MANY = 2
-"""So many of either outcome at a shock contradict each other if all that trip lie below."""
+"""Least number of shots of either outcome that contradict each other if all that trip are lower."""
 
 
 class Group(NamedTuple):
-    """Shots that differ in their level alone; f0: Hz; pulse: along their direction."""
+    """Shots that differ in level only; f0: Hz; pulse: with its direction."""
 
     shape: str
     direction: str
@@ -35,7 +36,7 @@ class Group(NamedTuple):
     pulse: Pulse
 
     def __str__(self):
-        """Where its threshold is looked for, in words."""
+        """Write shape, direction and f0."""
         return f"{self.shape} along {self.direction}, f0 = {self.f0:.6g} Hz"
 
 
@@ -52,16 +53,16 @@ class Shots(NamedTuple):
 
     @property
     def f0(self) -> np.ndarray:
-        """Frequency of each, Hz."""
+        """Frequency of each shot, Hz."""
         return np.array([self.groups[i].f0 for i in self.group])
 
 
 def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
-    """Read shots from CSV, columns by name; raises ValueError, one line.
+    """Read shots from CSV as columns by name; raises ValueError, one line, for invalid files.
 
     The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
-    and, if wanted, direction, shape and file. An empty number is NaN.
-    sha256: of the file as the run was planned, hex digits; empty for any
+    optionally direction, shape and file. An empty number is NaN.
+    sha256: of the file when the run was planned, hex digits; empty for any
     """
     with naming(path):
         content = read_named(path, *ROWS, sha256)
@@ -69,10 +70,10 @@ def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
 
 
 def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
-    """Columns of shots from a file, or as they are given; ValueError, one line, if they cannot be.
+    """Check columns of shots, of a file or by name; raises ValueError, one line, for invalid ones.
 
-    N, f0 (Hz) and duration (us) are above 0, or NaN; tripped are bools, the others text. N may be
-    missing beside file.
+    Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
+    Shots with a file need no N.
     """
     table = read_shots(shots) if isinstance(shots, str | Path) else shots
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
@@ -94,7 +95,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
 
 
 def _entry(key, row, value):
-    """Convert a value of a column of shots: whether it tripped, a number or NaN, or text."""
+    """Convert a value of a column of shots, to a bool, text, or a number or NaN."""
     is_empty = value is None or value == "" or value != value
     if key == "tripped":
         word = value.strip().lower() if isinstance(value, str) else value
@@ -113,14 +114,14 @@ def _entry(key, row, value):
 
 
 def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
-    """Take a table of shots as `calibrate` does; raises ValueError, one line.
+    """Take a table of shots as `calibrate` does; raises ValueError, one line, for an invalid one.
 
-    shocks: of one shape and direction, where the table names none; device: whose gravity N counts
+    shocks: default shape and direction of shots; device: its gravity is the unit of N
     """
     columns = shot_columns(table)
     tripped = columns["tripped"]
     if tripped.size < FEWEST:
-        raise ValueError(f"shots: {tripped.size} are too few; write {FEWEST} or more")
+        raise ValueError(f"shots: {tripped.size} rows are too few; write {FEWEST} or more")
     if tripped.all() or not tripped.any():
         what = "tripped" if tripped.all() else "did not trip"
         raise ValueError(
@@ -151,7 +152,7 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
 
 
 def _group(row, shocks, known):
-    """The key in `known`, groups by what tells their shocks apart, of that of a row."""
+    """The key of a row's group in `known`, groups by their keys; adds a new group."""
     if "file" in row and "shape" in row:
         raise ValueError("shape: excludes file; write one of them")
     direction = row.get("direction", shocks.direction)
@@ -186,9 +187,9 @@ def _level(row, pulse, device):
 
 
 def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
-    """Raise ValueError, one line, for ranges of unknowns, or a C beside them, that cannot be.
+    """Raise ValueError, one line, for invalid ranges of unknowns, or an invalid C beside them.
 
-    device: which has a second stable shape at their ends, too
+    The device must have a second stable shape at both ends of each range.
     """
     if not 1 <= len(unknowns) <= MOST:
         raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")

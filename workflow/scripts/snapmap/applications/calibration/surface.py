@@ -1,4 +1,4 @@
-"""Thresholds of a device over ranges of its unknown values: a grid of them, and between."""
+"""Thresholds of a device over ranges of its unknown values, interpolated on a grid."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,20 +14,19 @@ from ...thresholds.population import Batch, choose_levels
 from .shots import Group
 
 POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
-"""Values of each unknown on the grid, by how many unknowns there are."""
+"""Values of each unknown on the grid, by the number of unknowns."""
 CHECKED = 64
-"""Points within the ranges at which what stands between the grid's is held against the solver;
-a power of two."""
+"""Number of points at which the solver checks the interpolation; a power of two."""
 TOLERANCE = 2e-4
-"""Of each threshold, relative."""
+"""Relative tolerance of thresholds."""
 
 
 class Surface:
-    """Logarithms of thresholds, ln N, over the unknowns, each from 0 to 1 of its range.
+    """Logarithms of thresholds, ln N_first, over the unknowns as shares of their ranges.
 
     unknowns: ranges by name, internal units; logs: at the points of the grid, (..., groups)
-    at: a function of shares of the ranges, (..., unknowns), to what stands between them
-    error: of that, (groups,), root mean square
+    at: interpolates `logs` at shares of the ranges, (..., unknowns)
+    error: root mean square error of the interpolation, (groups,)
     """
 
     def __init__(self, unknowns: Mapping, logs: np.ndarray):
@@ -37,7 +36,7 @@ class Surface:
         self.at, self.error = RegularGridInterpolator(axes, logs), np.zeros(logs.shape[-1])
 
     def values(self, u: np.ndarray) -> np.ndarray:
-        """Values of the unknowns, internal units, at shares of their ranges."""
+        """Return the unknowns, internal units, at shares of their ranges."""
         low, high = np.array(list(self.unknowns.values()), float).T
         return low + np.asarray(u) * (high - low)
 
@@ -45,17 +44,17 @@ class Surface:
 def surface_of(
     study: Study, groups: Sequence[Group], unknowns: Mapping, C: float | None
 ) -> Surface:
-    """Find the thresholds of a study's device over ranges of its unknowns, of all groups at once.
+    """Find the thresholds of a study's device under all groups of shots, over its unknowns.
 
-    C: uN us/um, unless it is unknown
-    Raises ValueError, one line, where there is no second stable shape, or no threshold.
+    unknowns: ranges by name, internal units; C: uN us/um, or None if it is unknown
+    Raises ValueError, one line, if a point has no second stable shape, or no threshold.
     """
     size = POINTS[len(unknowns)]
     check = qmc.Sobol(len(unknowns), scramble=False).random_base2(CHECKED.bit_length() - 1)
     steps = np.meshgrid(*[np.linspace(0.0, 1.0, size)] * len(unknowns), indexing="ij")
     grid = np.stack(steps, axis=-1).reshape(-1, len(unknowns))
     low, high = np.array(list(unknowns.values()), float).T
-    # Those that lie all over the ranges come first: they tell where to look for the others.
+    # Points all over the ranges come first: they narrow the search for the others.
     points = low + np.concatenate([check, grid]) * (high - low)
     logs = np.log(_thresholds(study, groups, dict(zip(unknowns, points.T, strict=True)), C))
     surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(groups)))
@@ -66,10 +65,10 @@ def surface_of(
 
 def _thresholds(study, groups, values, C):
     """N_first, (points, groups), at values of the unknowns by name, (points,)."""
-    made = {key: column for key, column in values.items() if key != "C"}
-    bistable = is_bistable(study.device, made, len(next(iter(values.values()))))
+    of_device = {key: column for key, column in values.items() if key != "C"}
+    bistable = is_bistable(study.device, of_device, len(next(iter(values.values()))))
     if not bistable.all():
-        place = _place(made, np.argmin(bistable))
+        place = _place(of_device, np.argmin(bistable))
         raise ValueError(f"unknowns: no second stable shape at {place}; write a narrower range")
     # The middle of the ranges stands for the nominal device.
     middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}

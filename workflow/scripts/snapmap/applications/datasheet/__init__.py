@@ -11,19 +11,19 @@ def outputs(study):
 
 
 def inputs(study):
-    """Verdicts and, where values scatter, devices as made."""
-    made = {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
-    return {"requirements": "results/requirements.csv", **made}
+    """Verdicts and, if values scatter, devices as made."""
+    batch = {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
+    return {"requirements": "results/requirements.csv", **batch}
 
 
 def params(study):
-    """Title and devices as they are written, unit of C, and required shocks."""
+    """Title, devices as the config has them, unit of C, and required shocks."""
     written = {"title": study.title, "written": study.written, "C": study.units.get("C")}
     return written | {"requirements": plain_shocks(study)}
 
 
 def run(study, requirements_path, path, tolerance_path=""):
-    """Write verdicts, what is known of devices as made, and the device itself."""
+    """Write the data sheet of each device, with verdicts and the scatter of devices as made."""
     from contextlib import nullcontext
 
     from ...files.atomic import write_text
@@ -32,7 +32,7 @@ def run(study, requirements_path, path, tolerance_path=""):
     from .datasheet import DAMPER, datasheet
 
     verdicts = read_verdicts(requirements_path)
-    with open_whole(tolerance_path) if tolerance_path else nullcontext() as made:
-        sheet = {"made": made, "title": study.title, "damper": study.units.get("C", DAMPER)}
+    with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
+        sheet = {"made": batches, "title": study.title, "damper": study.units.get("C", DAMPER)}
         devices, shocks = study.of_thresholds(), shocks_of(study)
         write_text(datasheet(devices, verdicts, study.written, shocks, **sheet), path)

@@ -1,4 +1,4 @@
-"""What a sensor's data sheet says of a device, each value with its error; as text with units."""
+"""Data sheets of devices in Markdown: values with units and errors."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,7 +30,7 @@ UNITS = {
     "contact_force_max": ("force between mass and beam, an indicator", "uN"),
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
-"""Of `Extremes`, as a data sheet names them."""
+"""Words and unit of each of `Extremes`."""
 DAMPER = QUANTITIES["C"].unit, 1.0
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 
@@ -46,39 +46,39 @@ def datasheet(
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
-    verdicts: rows of requirements.csv, of which the thresholds are
+    verdicts: rows of requirements.csv
     written: sections of the devices by their names, with units, as the config has them
-    requirements: name, shocks, N and f0 (Hz) of those by a pulse
-    made: what `tolerances_of` returns of these requirements, if values scatter
-    damper: the unit of C, and how many internal ones it is
+    requirements: mappings of name, shocks, N and f0 (Hz) of the required shocks
+    made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
+    damper: name of the unit of C, and its size in uN us/um
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
     of_C = f"C, {unit}"
+    head = ["requirement", "shock", "at, degC", of_C, "threshold", "of devices as made"]
+    head += ["margin", "verdict", "strength over stress", "breaks"]
     verdicts = [row | {"C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
-        head = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
+        worst = [row for row, *_ in corners(of_device)]
+        heading = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         facts = _device(study, device, written[name])
-        sheets += [f"{head}\n", table(["device", "value"], facts)]
+        sheets += [f"{heading}\n", table(["device", "value"], facts)]
         at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
         sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
-        unit = f"{plain(device.gravity * 1e6)} m/s^2"
-        unit = f"{device.force:g} uN on the midpoint" if device.force else unit
-        head = ["requirement", "shock", "at, degC", of_C, "threshold"]
-        head += ["of devices as made", "margin", "verdict", "strength over stress", "breaks"]
-        rows = table(head, (_verdict(corner, batch) for corner, *_ in corners(of_device)))
-        words = f"Thresholds in multiples of {unit}, and over the required level"
+        level = f"{plain(device.gravity * 1e6)} m/s^2"
+        level = f"{device.force:g} uN on the midpoint" if device.force else level
+        words = f"Thresholds in multiples of {level}, and over the required level"
         words += "; of several shocks or temperatures the worst:\n"
-        sheets += [words, rows, PICTURE]
+        sheets += [words, table(head, (_verdict(row, batch) for row in worst)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
         for add in functions("in_datasheet"):
-            sheets += add(study, [row for row, *_ in corners(of_device)])
+            sheets += add(study, worst)
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]
@@ -86,7 +86,7 @@ def datasheet(
 
 
 def _device(study, device, written):
-    """By what code and model it was computed, its support, and the values of its config."""
+    """Rows of code, model, support, and the values of the config."""
     options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
     yield ["made by", f"snapmap {code_version()}"]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
@@ -121,7 +121,8 @@ def _statics(device, verdicts, damper):
 def reset_force(beam: Beam) -> tuple[float, float]:
     """Find the force on the midpoint that leaves a beam no second shape, and its error, uN.
 
-    Below 0 where the beam returns by itself. The error is what half of the modes leave out.
+    The force is below 0 if the beam returns by itself. The error is the difference to half as many
+    modes.
     """
     modes = buckling_modes(beam)
     modes = modes._replace(load=modes.midpoint)
@@ -132,7 +133,7 @@ def reset_force(beam: Beam) -> tuple[float, float]:
 
 
 def _verdict(row, made):
-    """A row of requirements.csv, with how far thresholds of devices as made scatter."""
+    """Cells of a row of requirements.csv, with the scatter of thresholds of devices as made."""
     shock = f"{row['shape']} {row['direction']}"
     shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
     shock += ", from the second shape" if row["start"] == SECOND else ""
@@ -140,8 +141,8 @@ def _verdict(row, made):
     if made is not None and name in made.get("requirement", ()):
         first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
         share = (first.std(ddof=1) / first.mean()).item()
-        if share > 0:  # with the error of a standard deviation of normal numbers
-            error = share / np.sqrt(2 * first.count().item())
+        if share > 0:
+            error = share / np.sqrt(2 * first.count().item())  # of normally distributed thresholds
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
     threshold, margin = "nothing snaps", DASH
     if np.isfinite(row["N_first"]):
@@ -166,7 +167,8 @@ def _verdict(row, made):
 
 
 def _largest(study, requirements, verdicts, size):
-    """What is largest under all required shocks, and its error: the difference to another step.
+    """Rows of `UNITS`: the largest value under all required shocks, its difference to another step
+    as its error, and the corner.
 
     size: of the unit of C in the verdicts, uN us/um
     """
@@ -185,7 +187,7 @@ def _largest(study, requirements, verdicts, size):
 
 
 def _shares(made):
-    """Of devices as made that meet all, and that break, at each C."""
+    """Rows of the shares of devices as made that meet all, and that break, at each C."""
     words = {"yield": f"meet all{scope(made['yield'])}", "share_breaking": "break under"}
     for key in filter(made.data_vars.__contains__, words):
         for place in np.ndindex(made[key].shape):

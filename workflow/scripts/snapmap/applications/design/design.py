@@ -1,4 +1,4 @@
-"""Which values a device should have: for a threshold, or to meet requirements."""
+"""Design: the value of a device that gives a threshold or meets requirements."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -23,25 +23,24 @@ from ...thresholds.population import thresholds_at
 from ...thresholds.search import near
 
 POINTS, WINDOW_POINTS = 17, 33
-"""Values that are tried first, for a threshold and for a window."""
+"""Number of values on the first grid, for a threshold and for a window."""
 PARTS = 512
-"""Of an interval between two of them, in one of which an answer lies."""
+"""Number of parts of an interval of the grid; an answer is refined to one part."""
 
 CHANGED = {
     "mass": ("mass", "lighter", "heavier"),
     "spring": ("spring", "softer", "stiffer"),
     "thickness": ("beam", "thinner", "thicker"),
 }
-"""Values of which one is changed for a threshold that is on the wrong side, and words for it."""
+"""Values that `remedy` changes, one at a time, with a noun and words for less and more."""
 BEYOND, MOST, STEPS = 0.05, 2.0, 4
-"""So far beyond the required N, and at most by such a factor, in so many steps; logarithms."""
+"""`remedy` aims beyond the required N by BEYOND and changes a value by MOST at most, both natural
+logarithms, in STEPS secant steps."""
 
 
 class Design(NamedTuple):
-    """A value for which the threshold is the given one.
-
-    value, error: internal units; error: what the error bar of the threshold leaves open
-    """
+    """A value at which N is the threshold, and its error by the threshold's error bar; internal
+    units."""
 
     value: float
     error: float
@@ -129,11 +128,12 @@ def design(
 
 
 def _single_shocks(requirements):
-    """Each requirement under each of its shocks; of several its name says which."""
+    """Split requirements into one for each shock; of several shocks the name tells which."""
     singles = []
     for required in requirements:
         if required["snaps"] == ANY:
-            raise ValueError(f"requirements: {required['name']}: snaps: any has no threshold")
+            line = f"{required['name']}: snaps: any has no threshold; write true or false"
+            raise ValueError(f"requirements: {line}")
         several = required["shocks"].each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
@@ -142,16 +142,16 @@ def _single_shocks(requirements):
 
 
 def with_value(device: Device, value: str, number: float) -> Device:
-    """The device with another number of one of its values, by name."""
+    """Return the device with one value, by name, changed to a number."""
     return batch([device]).vary({value: np.array([number])}).pick(0)
 
 
 def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[str, str, float]]:
-    """Which changes of one value bring a threshold to the right side of a required N.
+    """Find changes of one value that bring a threshold to the right side of a required N.
 
     study: of one device and shock; goal: as in `requirements`; N_first: the device's threshold
-    Returns each change in words, and as a value by name with its number: a root by secants of
-    logarithms, with the threshold seen there; others are left out.
+    Returns words, name and number of each change that works, as a simulation confirms; secants of
+    logarithms find them.
     """
     nominal = {key: nominal_value(study.device, key) for key in CHANGED}
     nominal = {key: value for key, value in nominal.items() if value > 0}
@@ -177,9 +177,10 @@ def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[
 
 
 def _threshold_finder(study, value, C, goals) -> Callable:
-    """A function of goals, by number (n,), and values, (n, m): N_first, its error, and if met.
+    """Make a function of goals, by number (n,), and values, (n, m), as `look` below.
 
-    It takes the axes of a surface that these are, too, as `thresholds_at`.
+    It returns N_first, its error, and whether the goal is met, (n, m). Axes of a grid that the
+    values form speed it up, as in `thresholds_at`.
     """
     pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
@@ -204,10 +205,11 @@ def _threshold_finder(study, value, C, goals) -> Callable:
 
 
 def _ends(look, grid, N_first, error, met, where, N):
-    """Refine where goals begin or end to be met: their numbers, the values, and errors; (ends,).
+    """Refine the values at which goals begin or end to be met.
 
     N_first, error, met: of all goals on the grid, (goals, n)
-    where: which intervals count; N: (goals,)
+    where: intervals of the grid that count; N: (goals,)
+    Returns number of the goal, value, and error, (ends,).
     """
     row, k = np.nonzero((met[:, 1:] != met[:, :-1]) & where)
     if not row.size:
@@ -235,14 +237,14 @@ def _ends(look, grid, N_first, error, met, where, N):
     with np.errstate(invalid="ignore", divide="ignore"):
         inside = low + (N - below) * (high - low) / (beyond - below)
         left_open = (error.max(axis=1) + abs(beyond - below) / 2) / abs(slope)
-    # At an end beyond which nothing snaps the bar of a threshold says nothing.
+    # Where nothing snaps beyond an end, the bar of a threshold tells nothing about it.
     crossed = ((below <= N) != (beyond <= N)) & np.isfinite(inside)
     value = np.where(crossed, inside, (low + high) / 2)
     return row, value, np.where(crossed, left_open, (high - low) / 2)
 
 
 def _guess(N_first, k, N):
-    """In which part of interval k of a grid N is a threshold, by a cubic; (ends,).
+    """Guess the part of interval k of the grid in which N is the threshold, by a cubic; (ends,).
 
     N_first: on the grid, (ends, n)
     """
@@ -260,10 +262,8 @@ def _single(value, N, grid, N_first, values, errors):
     unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
-        runs = (
-            f"runs from {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
-        )
-        raise ValueError(f"{value}: no value {ends} has its threshold at N = {N:g}; it {runs}")
+        runs = f"is {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
+        raise ValueError(f"{value}: no value {ends} gives N = {N:g}; the threshold {runs}")
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)
         line = f"{value}: thresholds {ends} are not monotone; at {places} {unit} they are {N:g}"
@@ -272,7 +272,7 @@ def _single(value, N, grid, N_first, values, errors):
 
 
 def _windows(look, value, grid, goals, N_first, error, met):
-    """Windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
+    """The windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
     names, N, all_met = [goal["name"] for goal in goals], [goal["N"] for goal in goals], met.all(0)
     ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
@@ -295,7 +295,7 @@ def _windows(look, value, grid, goals, N_first, error, met):
 
 
 def _contradiction(value, grid, names, met):
-    """Where each requirement is met, and where most are; met: (requirements, n)."""
+    """Write where each requirement is met, and where most are; met: (requirements, n)."""
     unit, count = QUANTITIES[value].unit, met.sum(axis=0)
     lines = []
     for name, row in zip(names, met, strict=True):

@@ -1,8 +1,8 @@
-"""A contact that the beam's midpoint closes, as an observer.  Imports: requirements."""
+"""An electrode that the beam's midpoint closes, without a force on it.  Imports: requirements."""
 
 
 def kinds():
-    """Required shocks that must close it, by the keys that they alone have."""
+    """The section of required shocks that must close the electrode, by keys that only it has."""
     from .required import DEMANDS, ClosingSection
 
     return dict.fromkeys(DEMANDS, ClosingSection)
@@ -16,14 +16,15 @@ def described():
 
 
 def request(section, study, document):
-    """Nothing; ValueError where only some devices have one."""
+    """None; ValueError, one line, if only some devices have an electrode."""
     if len({bool(device.has_electrode) for device in study.devices().values()}) > 1:
-        need = "only some devices have it; write it for all or for none"
-        raise ValueError(f"device.contact_at: {need}")
+        raise ValueError(
+            "device.contact_at: only some devices have it; write it for all or for none"
+        )
 
 
 def observe(model, cells, observed, settings):
-    """When each cell closes it, and for how long."""
+    """The closures of each cell, by name, with their errors; empty without an electrode."""
     from .closures import closures_again
 
     if not model.device.has_electrode.any():
@@ -32,7 +33,7 @@ def observe(model, cells, observed, settings):
 
 
 def observing(model, cells, settings):
-    """The time of two more runs of each cell."""
+    """The core time of two more runs of each cell, s; 0 without an electrode."""
     from ...solver.cost import steps_and_seconds
     from ...solver.outcome import REPEATED_STEP
 
@@ -43,7 +44,7 @@ def observing(model, cells, settings):
 
 
 def in_history(model, cells, settings):
-    """Its place, and when a cell closes it and for how long."""
+    """The place of the electrode, and the closures of a cell; empty without an electrode."""
     from .closures import follow_closures
 
     if not model.device.has_electrode:
@@ -53,18 +54,18 @@ def in_history(model, cells, settings):
 
 
 def in_statics(device, first, displacement, force):
-    """Its place, and the force with which the beam rests on it: 0 where it does not."""
+    """The place of the electrode, um, and the force of the beam on it, uN; 0 without contact."""
     import numpy as np
 
     if not device.has_electrode:
         return {}
     held = np.interp(first - device.contact_at, displacement, -force)
-    # What is not known is not 0.
+    # np.maximum keeps NaN.
     return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
 
 
 def in_datasheet(study, rows):
-    """What it sees under the worst of required shocks, with its error."""
+    """A table of the closures under the worst corner of each required shock."""
     from .sheet import sections
 
     return sections(study, rows)

@@ -1,4 +1,4 @@
-"""When the midpoint of the beam touches an electrode on its way, and for how long."""
+"""Closures of an electrode by the midpoint of the beam."""
 
 from collections.abc import Sequence
 from math import fsum, nan
@@ -14,17 +14,17 @@ from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import FIRST, Settings
 
 APART = 4.0
-"""Errors over the difference with another step; 1/(1 - 0.75^2) = 2.3 at second order, and more."""
+"""Error over the difference to another step. Second order gives 1/(1 - 0.75^2) = 2.3; this factor
+adds a margin."""
 
 
 class Closures(NamedTuple):
-    """What an electrode sees; numbers, or arrays (cells,); NaN where it never closes.
+    """Closures of an electrode; numbers, or arrays (cells,); NaN if it never closes.
 
-    t_closed: when it first closes, us after the start of the pulse
-    closed_for: how long it then stays closed, us; to the end of the time followed, if it never
-        opens
-    openings: how often it opens in that time
-    closed_share: share closed of the time from t_closed to that end
+    t_closed: time of the first closure, us after the start of the pulse
+    closed_for: duration of that closure, us, at most to the end of the run
+    openings: number of openings in the run
+    closed_share: closed share of the time from t_closed to the end of the run
     """
 
     t_closed: float | np.ndarray
@@ -34,14 +34,14 @@ class Closures(NamedTuple):
 
 
 CLOSING = *Closures._fields, *(f"{key}_error" for key in Closures._fields)
-"""What is given for each cell, and by how much each may be off."""
+"""Names of the variables of each cell: the closures and their errors."""
 
 
 def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closures:
-    """What an electrode sees of a beam that touches it and leaves it by turns.
+    """Sum up the closures of an electrode from the instants of its changes.
 
-    instants: when it does, ascending up to the end, us; is_closed: whether it touches at 0
-    end: of the time followed, us
+    instants: times at which it closes and opens in turn, ascending, us
+    is_closed: whether it is closed at 0; end: of the run, us
     """
     turns = [0.0, *instants] if is_closed else [*instants]
     if not turns:
@@ -52,9 +52,9 @@ def closures_of(instants: Sequence[float], is_closed: bool, end: float) -> Closu
 
 
 def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where columns of samples, (samples, columns), pass their level, (columns,), either way.
+    """Find where columns of samples, (samples, columns), cross their level, (columns,), either way.
 
-    Returns column and place of each, in samples, ascending: linear between two.
+    Returns column and place of each crossing, in samples, ascending; interpolated linearly.
     """
     closed = w <= level
     sample, column = np.nonzero(closed[1:] != closed[:-1])
@@ -62,14 +62,14 @@ def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return column, sample + (before - level[column]) / (before - after)
 
 
-# ASSUME: the electrode is an observer: it neither stops the beam nor holds it, so that bounces are
-# those of the ringing beam.
+# ASSUME: the electrode neither stops nor holds the beam, so it bounces as the free beam rings.
 def follow_closures(
     model: Model, cells: Cells, window: np.ndarray, settings: Settings
 ) -> dict[str, np.ndarray]:
-    """Follow cells, (cells,), in the steps that motions need, each for its window, us.
+    """Follow cells, (cells,), in the time steps of histories, each for its window, us.
 
-    Returns CLOSING up to t_end; errors are APART times by how much another step differs.
+    Returns CLOSING by name, to the horizon: the electrode does not change after the window. Errors
+    are APART times the difference to a run with another step.
     """
     closures = _follow(model, cells, window, settings)
     again = _follow(model.with_step(REPEATED_STEP), cells, window, settings)
@@ -94,7 +94,7 @@ def _follow(model, cells, window, settings):
                 instants[column].append(float((first + place - 0.5) * dt[these[column]]))
             last = w[-1:]
         for i, cell in enumerate(these):
-            # Its lane may have run on beside a longer lane.
+            # A lane runs on beside a longer one.
             within = [instant for instant in instants[i] if instant < window[cell]]
             is_closed = bool(level[i] >= at_start[cell])
             closures[:, cell] = closures_of(within, is_closed, float(cells.t_end[cell]))
@@ -106,9 +106,9 @@ def _follow(model, cells, window, settings):
 def closures_again(
     model: Follows, cells: Cells, observed: Observations, settings: Settings
 ) -> dict[str, np.ndarray]:
-    """Follow cells of any shape again, each as it was decided, by what was observed of it.
+    """Follow cells of any shape again, each at the level and the step that decided it.
 
-    Returns what `follow_closures` does, in that shape; NaN, too, of cells whose runs failed.
+    Returns CLOSING as `follow_closures` does, in the shape of the cells; NaN for failed cells.
     """
     flat, size, shape = cells.flat(), len(model.device), np.shape(cells.f0)
     level = np.zeros(shape, np.int8) if observed.level is None else observed.level
@@ -116,12 +116,12 @@ def closures_again(
     observed = observed.shaped((flat.f0.size,))
     place = np.broadcast_to(model.device.contact_at, size)[flat.device]
     which = (observed.energy_error <= settings.energy_tolerance) & np.isfinite(place)
-    made = {key: np.full(flat.f0.size, nan, np.float32) for key in CLOSING}
+    columns = {key: np.full(flat.f0.size, nan, np.float32) for key in CLOSING}
     for at, part in deciders(model.levels, flat.device, decided, np.flatnonzero(which)):
         saddle = np.broadcast_to(part.barrier.first + part.barrier.midpoint, size)[flat.device[at]]
-        # What is proven to stay on this side of the saddle reaches nothing beyond it.
+        # A cell that is proven to stay on its side of the saddle never reaches beyond it.
         over = (observed.well[at] == 1) & (place[at] < saddle) & (settings.start == FIRST)
         window = np.fmin(np.where(over, observed.t_settled[at], np.inf), flat.t_end[at])
         for key, values in follow_closures(part, flat.take(at), window, settings).items():
-            made[key][at] = values
-    return {key: values.reshape(shape) for key, values in made.items()}
+            columns[key][at] = values
+    return {key: values.reshape(shape) for key, values in columns.items()}

@@ -13,7 +13,7 @@ from ..requirements.required import RequiredShock
 from ..requirements.sections import ShockSection
 
 DEMANDS = "closes_within", "stays_closed"
-"""What may be required of an electrode."""
+"""Keys of a required closing."""
 
 
 class RequiredClosing(RequiredShock):
@@ -22,11 +22,11 @@ class RequiredClosing(RequiredShock):
     more = "closing"
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts of a required shock, once it is known what the electrode sees."""
+        """Judge the shock, then its closures; further columns hold these with their margins."""
         return [judge_closing(*judged, self.values) for judged in super().check(study, C)]
 
     def require(self, study: Study) -> None:
-        """Raise ValueError where a device lacks the electrode or frame that it needs."""
+        """Raise ValueError if the devices lack an electrode, strength or frame."""
         if not any(device.has_electrode for device in study.devices().values()):
             closing = next(key for key in DEMANDS if key in self.values)
             need = "write the place of the electrode, such as '-5 um'"
@@ -53,7 +53,7 @@ class ClosingSection(ShockSection):
         super().make()
 
     def under(self, pulse: PulseSection | None) -> RequiredClosing:
-        """The requirement in a study, as of any shock."""
+        """Make the requirement of a study, as for any shock, with its DEMANDS."""
         required = super().under(pulse)
         required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
         return required
@@ -62,10 +62,11 @@ class ClosingSection(ShockSection):
 def judge_closing(
     verdict: Verdict, closing: Mapping[str, float], required: Mapping
 ) -> tuple[Verdict, dict[str, float]]:
-    """The verdict once it is known what an electrode sees, and that with its margins.
+    """Add the closures of an electrode to a verdict.
 
-    closing: as `follow_closures` returns it; required: with DEMANDS, us, if they are
-    Margins: closes_within over t_closed, closed_for over stays_closed; NaN if it never closes.
+    closing: CLOSING by name; required: with one or both of DEMANDS, us
+    Returns the worst verdict, and the closures with `closes_margin`, closes_within over t_closed,
+    and `stays_margin`, closed_for over stays_closed; NaN if the electrode never closes.
     """
     outcomes, margins = [verdict.verdict], {}
     if limit := required.get("closes_within"):
@@ -75,7 +76,7 @@ def judge_closing(
     if limit := required.get("stays_closed"):
         closed = closing["closed_for"]
         kept = _kept(closed - limit, closing["closed_for_error"], verdict)
-        # What is closed to the end of the run may stay closed beyond.
+        # A contact that is closed at the end of the run may stay closed beyond it.
         outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
         margins["stays_margin"] = closed / limit
     worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
@@ -83,7 +84,7 @@ def judge_closing(
 
 
 def _kept(slack, error, verdict):
-    """Say how a requirement stands by its slack, us, with its error; NaN where none closes."""
+    """Judge a demand by its slack and its error, us; the slack is NaN if nothing closes."""
     if np.isnan(slack):
         return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
     return MET if slack > error else VIOLATED if slack < -error else UNCLEAR

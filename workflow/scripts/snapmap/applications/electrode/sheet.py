@@ -1,4 +1,4 @@
-"""What an electrode sees under required shocks, on a data sheet."""
+"""Closures of an electrode under required shocks, for a data sheet."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,14 +15,11 @@ CLOSURES = {
     "openings": ("openings", ""),
     "closed_share": ("share of the time since then closed", ""),
 }
-"""Of `Closures`, as a data sheet names them."""
+"""Words and unit of each of `Closures`."""
 
 
 def sections(study: Study, rows: Sequence[Mapping]) -> list[str]:
-    """A line and a table in Markdown; nothing where nothing closes.
-
-    rows: of requirements.csv
-    """
+    """Write a line and a table in Markdown; none if nothing closes. rows: of requirements.csv"""
     closed = [row for row in rows if np.isfinite(row.get("t_closed", np.nan))]
     if not closed:
         return []

@@ -6,7 +6,7 @@ part = "8 Histories"
 
 
 def section():
-    """The cells of a config."""
+    """A list of cells, each with N, f0 or duration, and C."""
     from ...config.keys import many
     from .sections import CellSection
 
@@ -39,7 +39,7 @@ def outputs(study):
 
 
 def params(study):
-    """Each cell with its device, and how it is followed."""
+    """Each cell with its device."""
     from ...study.provenance import device_sections
 
     cells = study.requests["histories"]

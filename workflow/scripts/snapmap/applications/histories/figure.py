@@ -56,7 +56,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
 
 
 def snap_time(history: xr.Dataset) -> float:
-    """First arrival of the midpoint at the shape in which it did not start, us; NaN if not seen."""
+    """Interpolate when the midpoint first arrives at the other shape at rest, us; NaN if never."""
     first, second = history.attrs.get("first_equilibrium"), history.second_equilibrium
     w, target = (history.w_mid, second) if first is None else (-history.w_mid, -first)
     arrived = np.flatnonzero(w <= target)
@@ -67,7 +67,7 @@ def snap_time(history: xr.Dataset) -> float:
 
 
 def _caption(history):
-    """The shock and the model, and how far a run with another step goes apart, if that is known."""
+    """The shock, the model and, if known, the differences to a run with another step."""
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
     words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
     work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))

@@ -27,15 +27,16 @@ from ...study.variables import dress
 from .. import merge
 
 SAMPLES = 4000
-"""A history keeps this many instants, up to twice as many, or all that there are."""
+"""A history keeps at least this many instants and less than twice as many, or every step if these
+are fewer."""
 
 RECORDED = 700.0
-"""Times as long as a run of a sweep takes one that shows every step."""
+"""Time of a run that records every step, over that of a run of a sweep."""
 CURE = "write a higher f0 or a shorter horizon"
 
-# ASSUME: a device leaves its mass a few times the rise of its beam, which a snap takes it twice.
+# ASSUME: a device has room for its mass to travel a few rises; a snap moves it by two rises.
 FARTHEST = 5.0
-"""Over the rise: of a mass that no stop holds, a travel from rest that a run remarks upon."""
+"""Travel of a mass without stops from rest, over the rise of the beam, above which a run warns."""
 
 
 class HistoryOptions(AutoOptions, total=False):
@@ -119,12 +120,12 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
 
 
 class Extremes(NamedTuple):
-    """What a device meets under one shock, at any step up to the horizon.
+    """Largest values under one shock, over all steps up to the horizon.
 
-    toward_max, away_max: of the mass from rest, toward the beam and away from it, um
-    contact_force_max: between mass and beam, uN; only an indicator
-    These three are NaN of a beam alone.
-    stress_max, stress_max_to_snap: tensile, in the beam, MPa; the latter until it snaps
+    toward_max, away_max: travel of the mass from rest, toward the beam and away from it, um
+    contact_force_max: force between mass and beam, uN; only an indicator
+    stress_max, stress_max_to_snap: tensile stress in the beam, MPa; the latter until it snaps
+    The first three are NaN for a beam alone.
     """
 
     toward_max: float
@@ -135,23 +136,23 @@ class Extremes(NamedTuple):
 
 
 def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) -> Extremes:
-    """Follow one cell of a study of one device and pulse for what is largest in its motion.
+    """Find the extremes of one cell of a study of one device and pulse.
 
-    step: over the one that the motion needs
+    step: time step over the default one
     """
     built, cells, _ = _cell(study, N, f0, C)
     return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
 
 
 def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
-    """The extremes of one cell, as `extremes_of`, and what applications see of it, by name."""
+    """Find the extremes of one cell, and what other applications add to its history, by name."""
     built, cells, _ = _cell(study, N, f0, C)
     extremes = _record(built, cells, study.settings, samples=1)[-1]
     return extremes._asdict() | merge("in_history", built, cells, study.settings)
 
 
 def _cell(study, N, f0, C):
-    """The model at the step that a sweep takes for a cell, the cell, and what the sweep sees."""
+    """The model at the step that a sweep takes for a cell, the cell, and its `Observations`."""
     horizon, pulses = study.settings.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
     model = choose_model(study.device, study.model, study.settings.start)
@@ -164,9 +165,9 @@ def _cell(study, N, f0, C):
 
 
 def _record(built, cells, settings, samples):
-    """The time step, us, the values of a cell, and its extremes.
+    """Follow a cell; returns the time step, us, its values over time by name, and its extremes.
 
-    samples: instants that are kept or more, every one of a power of two of steps
+    samples: least number of instants to keep; the stride between them is a power of two of steps
     """
     from .motion import record  # imported when a run begins: a plan needs no compiler
 
@@ -186,8 +187,7 @@ def _record(built, cells, settings, samples):
         values = _observe(device, first, form, stress, motion, built.laws)
         y = values["z_mass"] - rest
         force = math.nan if device.is_alone else values["contact_force"].max()
-        of_window = -y.min(), y.max(), force, values["stress"].max()
-        largest = np.maximum(largest, of_window)
+        largest = np.maximum(largest, [-y.min(), y.max(), force, values["stress"].max()])
         if not snapped:
             path = np.append(last, [side * values["w_mid"], values["stress"]], axis=1)
             most, snapped = _stress_to(target, *path)
@@ -208,15 +208,18 @@ def _record(built, cells, settings, samples):
 
 def _stress_to(target, w, stress):
     """The largest stress until w falls to the target, and whether it does."""
-    for i in np.flatnonzero(w <= target)[:1]:
-        share = (w[i - 1] - target) / (w[i - 1] - w[i])
-        at_target = stress[i - 1] + share * (stress[i] - stress[i - 1])
-        return np.append(stress[:i], at_target).max(), True
-    return stress.max(), False
+    beyond = np.flatnonzero(w <= target)
+    if not beyond.size:
+        return stress.max(), False
+    # Under a hard shock the stress still rises when the beam snaps, between two steps.
+    i = beyond[0]
+    share = (w[i - 1] - target) / (w[i - 1] - w[i])
+    at_snap = stress[i - 1] + share * (stress[i] - stress[i - 1])
+    return np.maximum(stress[:i].max(), at_snap), True
 
 
 def _differences(model, cells, settings):
-    """Compare the pulse's work, a share, and the time of snap, us, with those of another step."""
+    """Differences to a run with another step: work of the pulse, relative, and snap time, us."""
     settings = settings._replace(until="moved")
     # No snap ends a run of the model `reference` before its pulse is over.
     onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
@@ -231,7 +234,7 @@ def _differences(model, cells, settings):
 def _observe(device, first, form, stress, motion, laws):
     """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um.
 
-    NaN is what nobody knows of a beam, or a contact, that follows a user's own law.
+    Under a user's own law of beam or contact, what the law does not tell is NaN.
     """
     velocity = motion.u_velocity
     stiffness = contact_stiffness(device, form.residual)
@@ -244,7 +247,7 @@ def _observe(device, first, form, stress, motion, laws):
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
     values = {
         "w_mid": first + dot(motion.u, form.midpoint) - form.residual * contact,
-        # Half way through the step in which it bounces the mass is beyond a stop.
+        # In the step of a bounce, the mean of both ends lies beyond the stop.
         "z_mass": rest + np.clip(motion.y, -device.stop_toward, device.stop_away),
         "contact_force": contact,
         "axial_force": axial_force,
@@ -262,9 +265,9 @@ def _observe(device, first, form, stress, motion, laws):
 
 
 def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
-    """Warn, in one line, if a mass without a stop on that side goes beyond FARTHEST times the rise.
+    """Warn, in one line, if a mass travels beyond FARTHEST rises on a side without a stop.
 
-    device: one, or as many as there are runs; lowest, highest: of the mass from rest, um
+    device: one, or one for each run; lowest, highest: displacement of the mass from rest, um
     """
     toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
     away = np.where(np.isinf(device.stop_away), highest, 0.0)
@@ -274,6 +277,6 @@ def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
         runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
         warnings.warn(
             f"the mass travels up to {plain(np.nanmax(travel))} um from rest{runs}, more than "
-            f"{FARTHEST:g} times the rise; if it meets the frame before, write device.stops",
+            f"{FARTHEST:g} times the rise; if the frame is nearer, write device.stops",
             stacklevel=3,
         )

@@ -18,12 +18,13 @@ from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
-    The plain loop samples instants, the kernel half way between two, where its energies are known.
+    The plain loop samples at the steps; the kernel samples half way between them, where it knows
+    its energies.
 
     time: us
-    u, u_velocity: (samples, n); the others (samples,)
+    u, u_velocity: (samples, n); the other arrays are (samples,)
     stretch: u.G u + 2 u.G q0, um
-    work of the pulse, energy lost to damping: pJ
+    work, lost: work of the pulse, and energy lost to damping, pJ
     """
 
     time: np.ndarray
@@ -37,7 +38,7 @@ class Motion(NamedTuple):
 
 
 class Form(NamedTuple):
-    """The matrices that the coordinates u of a motion belong to, as in `Basis` and `ModalBeam`."""
+    """Matrices and vectors of the coordinates u of a `Motion`, named as in `ModalBeam`."""
 
     inertia: np.ndarray
     bending: np.ndarray
@@ -49,9 +50,10 @@ class Form(NamedTuple):
 
 
 def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
-    """Follow one cell as a sweep does, bit for bit, and show every step of it.
+    """Follow one cell as a sweep does, bit for bit, and record every step.
 
-    model: of one device; dt: us; returns Form, and Motion of one window after another
+    model: of one device; dt: us
+    Returns the Form, and an iterable of a Motion for each window of steps.
     """
     follow = _by_plain_loop if model.name == "reference" else _by_kernel
     return follow(model, pulse, amplitude, f0, damping, dt, steps, start)
@@ -76,7 +78,7 @@ def _by_kernel(model, pulse, amplitude, f0, damping, dt, steps, start):
 
 
 def _motion(model, damping, dt, shrink, first, before, after):
-    """Motion of a window of `_pairs`; shrink: coordinates over those of the kernel."""
+    """The Motion of a window of `_pairs`; shrink: coordinates u over those of the kernel."""
     modes, middle = model.modes, (before + after) / 2
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
     lost = damping * after[R.SWEPT - R.STATE]

@@ -40,9 +40,9 @@ class CellSection(of_device(_changed)):
 class History(NamedTuple):
     """A cell whose time history is drawn.
 
-    name: of its files
-    device: the study's, with what the cell changes; N: multiples of g; f0: Hz; C: uN us/um
-    changes: the values of the device that are not the nominal ones, and its name if it has one
+    name: stem of its files
+    device: the study's device with the changes of this cell; N: multiples of g; f0: Hz; C: uN us/um
+    changes: values that differ from the nominal device, and the device's name if it has one
     """
 
     name: str
@@ -59,19 +59,20 @@ class History(NamedTuple):
 
 
 def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
-    """A cell of a study; ValueError, one line, for one that cannot be.
+    """Take one cell of a study; raises ValueError, one line, for an invalid cell.
 
-    cell: N, f0 or duration, C, its device's name and other values of it, in internal units
+    cell: N, f0 or duration, C, and optionally the device's name and other values of the device, in
+        internal units
     """
     name, changes = cell.get(DEVICE), {key: cell[key] for key in cell if key in VALUES}
     if isinstance(device, Mapping):
         name = next(iter(device)) if name is None else name
         if name not in device:
             known = ", ".join(device)
-            raise ValueError(f"no device is called {show(name)}; known are {known}")
+            raise ValueError(f"no device is called {show(name)}; write one of {known}")
         device = device[name]
     elif name is not None:
-        raise ValueError("device is for studies of several devices; leave it out")
+        raise ValueError("device: the study has a single device; leave it out")
     if changes:
         device = batch([device]).vary({k: np.array([v]) for k, v in changes.items()}).pick(0)
     if name is not None:
@@ -85,7 +86,7 @@ def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
 def read_cells(
     sections: Sequence[CellSection], device: Device | Mapping[str, Device]
 ) -> tuple[History, ...]:
-    """Take the cells of a config; ValueError, one line, for one that cannot be."""
+    """Take the cells of a config; raises ValueError, one line, for an invalid cell."""
     cells = []
     for place, section in enumerate(sections):
         try:

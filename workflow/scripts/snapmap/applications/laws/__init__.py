@@ -5,14 +5,14 @@ part = "2 Thresholds"
 
 
 def section():
-    """Whether the laws are held against the thresholds."""
+    """Whether the laws are compared with the thresholds."""
     from ...config.keys import flag
 
     return flag("whether three laws are fitted to the thresholds", out="`false`")
 
 
 def request(section, study, document):
-    """Whether they are."""
+    """Whether the laws are compared with the thresholds."""
     return bool(section)
 
 
@@ -32,7 +32,7 @@ def params(study):
 
 
 def run(study, threshold_path, path):
-    """Hold the laws against the thresholds of the first device and pulse."""
+    """Compare the laws with the thresholds of the first device and pulse."""
     from ...study.netcdf import open_whole, write_product
     from .laws import laws_of, summary
 

@@ -13,7 +13,7 @@ THIN = {"color": "0.4", "linewidth": 0.8}
 
 
 def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
-    """Draw thresholds and their limits over f0, and below how snaps are delayed near them."""
+    """Draw thresholds and laws over f0, and below the delay of snaps near the thresholds."""
     laws = curves.some_lines(laws, "f0", "C")
     top, below = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     scales.study_axis(top, scale := scales.scale_of("f0", laws.f0.values))

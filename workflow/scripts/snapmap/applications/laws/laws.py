@@ -19,13 +19,15 @@ from ...thresholds.search import asker, lowest_snap
 from ...thresholds.slow import HOLDS
 
 ABOVE, EXACT = geometric(1e-4, 1e-8, 9), 1e-10
-"""How far above a threshold snaps are timed, and how closely that is refined."""
+"""Distances above a threshold at which snaps are timed, and the tolerance of the threshold; both
+relative."""
 WITHIN, STEP = 1e-3, 2e-4
-"""How far from the simulated one it is sought, beside its error, and in which steps; relative."""
+"""The refined threshold is searched within its error bar and WITHIN more, in steps of STEP; both
+relative to N."""
 
 
 def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
-    """Hold the laws against thresholds over C and f0, at the first place on all other axes."""
+    """Compare the laws with thresholds over C and f0, at the first place on all other axes."""
     at = {key: 0 for key in thresholds.N_first.dims if key not in ("C", "f0")}
     thresholds = thresholds.isel(at).sortby("f0")
     f0, kept = thresholds.f0, ["N_first", "N_slow", "N_static", "dwell", "velocity_change"]
@@ -42,9 +44,10 @@ def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
 
 
 def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
-    """Rates, 1/us, at which one beam leaves the lowest saddle and its mirror image, (2,).
+    """Find the rates, 1/us, at which one beam leaves the lowest saddle and its mirror image, (2,).
 
-    First that on whose side a pulse along +z bends the second mode; NaN without a saddle.
+    The first saddle is on the side to which a pulse along +z bends the second mode. The rates are
+    NaN without a saddle.
     """
     beams = unit_beams(basis, beam)
     modal, p, _ = saddle_and_second(beams, None)
@@ -77,7 +80,7 @@ def _snap_scales(study, device, pulse, thresholds):
 
 
 def summary(laws: xr.Dataset) -> str:
-    """Tell the laws in one line, at the least C."""
+    """Write the laws at the first C in a line."""
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
     N, dwell, v, delay = (plain(laws[key].item()) for key in (*keys, "saddle_scale"))
     slow, short = f"a slow shock trips it above N = {N} for longer than {dwell} us", f"{v} m/s"

@@ -9,7 +9,7 @@ def drawn_from(study):
 
 
 def figures(study):
-    """The page, with what the cube does not tell; its name is not that of a picture."""
+    """The page by the name of its file, with what the cube does not hold."""
     from .. import gather
 
     marks, start = gather("marks", study).values(), study.settings.start
@@ -19,8 +19,8 @@ def figures(study):
         for shocks in marks
         for name, f0, N, pushed in shocks
     ]
-    asked = {"title": study.title, "pulse": study.pulse, "required": required}
-    return {"explore.html": {"horizon": study.settings.horizon, **asked}}
+    shown = {"title": study.title, "pulse": study.pulse, "required": required}
+    return {"explore.html": {"horizon": study.settings.horizon, **shown}}
 
 
 def draw(figures, folder, cube_path, threshold_path):

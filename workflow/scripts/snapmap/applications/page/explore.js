@@ -13,11 +13,11 @@ const STEPS = [[X, [["ArrowLeft", "←"], ["ArrowRight", "→"]]], [Y, [["ArrowD
 const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6], REQUIRED = 7; // curves of the map, after the cells
 const SNAPPED = study.views[0].states.findIndex(({ name }) => name === "snapped");
 const KINDS = { uint8: Uint8Array, float32: Float32Array, float64: Float64Array };
-const ends = study.views.find(({ name }) => name === "end") ?? study.views[0]; // of which words tell
+const ends = study.views.find(({ name }) => name === "end") ?? study.views[0]; // whose words describe a cell
 let view = study.views[0]; // what the map shows
 const cells = {}; // arrays over the cells; the thresholds' are over the rows of cells along N
-const at = study.start; // the chosen shock's place on each axis, whole at a cell
-let run = null; // what was followed last
+const at = study.start; // place of the chosen shock on each axis, an integer at a cell
+let run = null; // the last result of `follow`
 let forms = null;
 
 const PLAIN = {
@@ -33,13 +33,13 @@ const BUTTONS = {
   displaylogo: false,
   showSendToCloud: false, // a button that uploads the study
   plotlyServerURL: "",
-  doubleClick: "reset", // also what two quick clicks on two cells do
+  doubleClick: "reset", // two quick clicks on different cells count as a double click, too
   modeBarButtonsToRemove: ["select", "lasso", "autoScale"],
 };
 const [BAND, BEAM, TOTAL, AID] = ["rgba(0, 114, 178, 0.35)", "#0072b2", "#d55e00", "#555555"];
-const DASHES = { dash: "8 4", dot: "2 2", dashdot: "8 3 2 3", longdash: "12 4" }; // of plotly's what SVG takes
-const REACH = 4; // of energies over the saddle's, as drawn
-const TICKS = 6; // at most, so that they stand apart on a phone
+const DASHES = { dash: "8 4", dot: "2 2", dashdot: "8 3 2 3", longdash: "12 4" }; // plotly's dashes in SVG
+const REACH = 4; // the largest energy shown, over the saddle's
+const TICKS = 6; // at most; more would overlap on a phone
 
 async function unpack({ kind, bytes }) {
   const packed = Uint8Array.from(atob(bytes), (sign) => sign.charCodeAt(0));
@@ -57,7 +57,7 @@ const nearest = () => at.map(Math.round);
 const isCell = () => at.every(Number.isInteger);
 const rowOf = (k) => Math.floor(k / axes.at(-1).values.length);
 
-// Round numbers, to a decade 1, 2 and 5 or fewer; between close ends evenly spaced.
+// Round ticks: 1, 2 and 5 of each decade, or fewer; evenly spaced between close ends.
 function roundBetween(low, high) {
   const decades = Array.from({ length: Math.ceil(Math.log10(high / low)) + 1 }, (_, n) => 10 ** (Math.floor(Math.log10(low)) + n));
   const sets = [[1, 2, 5], [1, 3], [1]].map((digits) =>
@@ -80,7 +80,7 @@ function scaleOf({ label, unit, type, values, edges, ticked, bare }) {
   return { ...scale, tickvals: ticks, ticktext: ticks.map(round) };
 }
 
-// Above frequencies (Hz): durations (ms).
+// The axis of durations (ms) above that of frequencies (Hz).
 function durations({ values, edges }) {
   const ticks = values.length > 1 ? roundBetween(1e3 / edges.at(-1), 1e3 / edges[0]) : [1e3 / values[0]];
   const title = { text: "pulse duration 1/f<sub>0</sub> (ms)", standoff: 4 };
@@ -88,7 +88,7 @@ function durations({ values, edges }) {
   return { ...above, tickvals: ticks.map((tick) => 1e3 / tick), ticktext: ticks.map(round) };
 }
 
-// The map without cells, colours and lines, which are filled in as chosen.
+// Opens the map without cells, colours and lines; drawMap adds them.
 function openMap() {
   const bare = { type: "scatter", hoverinfo: "skip" };
   const pale = "rgba(255, 255, 255, 0.6)";
@@ -97,7 +97,7 @@ function openMap() {
   const always = { symbol: "line-ew-open", size: 9, color: "black" };
   const curves = [
     { type: "heatmap", x: axes[X].edges, y: axes[Y].edges, zmin: -0.5, showscale: false, hoverinfo: "none" },
-    // As LINES: from where all snap; the band of error about where the first snap; and where they do.
+    // LINES: the N above which all snap; the error band of the lowest N that snaps; and that N.
     { ...bare, mode: "lines+markers", line: { color: "black", width: 1 }, marker: always },
     { ...bare, mode: "lines", line: { color: pale, width: 3 }, fill: "toself", fillcolor: pale },
     { ...bare, mode: "lines+markers", line: { color: "black", width: 1.5 }, marker: { size: 3, color: "black" } },
@@ -113,7 +113,7 @@ function openMap() {
   return Plotly.newPlot(map, curves, layout, BUTTONS);
 }
 
-// Positions and energies.
+// Opens the figure of positions and energies.
 function openMotion() {
   const line = (name, color, width, more) => ({
     type: "scatter", mode: "lines", name, line: { color, width }, x: [0], y: [0],
@@ -139,9 +139,9 @@ function openMotion() {
   ];
   const stroke = ({ color, width, dash }) =>
     `<path d="M0 6H28" stroke="${color}" stroke-width="${width}" stroke-dasharray="${DASHES[dash] ?? "none"}"/>`;
-  // A list of its own: it wraps on a phone, where plotly's legend does not.
-  document.getElementById("lines").innerHTML = [...curves.slice(1), ...shapes].map(({ name, line: own, fill }) =>
-    `<li><svg width="28" height="12" fill="none" aria-hidden="true">${stroke(own)}${
+  // This list wraps on a phone; plotly's legend does not.
+  document.getElementById("lines").innerHTML = [...curves.slice(1), ...shapes].map(({ name, line: look, fill }) =>
+    `<li><svg width="28" height="12" fill="none" aria-hidden="true">${stroke(look)}${
       fill ? stroke({ color: BAND, width: 9 }) : ""}</svg> ${name}</li>`).join("");
   const upright = (text, domain) => ({ ...AXIS, title: { text }, domain });
   return Plotly.newPlot(motion, curves, {
@@ -154,8 +154,7 @@ function openMotion() {
 }
 
 function place(i, j) {
-  const rest = nearest().map((own, n) => (n === X ? i : n === Y ? j : own));
-  return rest.reduce((k, own, n) => k + own * strides[n], 0);
+  return nearest().reduce((k, rest, n) => k + (n === X ? i : n === Y ? j : rest) * strides[n], 0);
 }
 
 function byCell(make) {
@@ -173,7 +172,7 @@ function describe(i, j) {
   return lines.concat(cells.elsewhere[k] ? ["another step ended elsewhere"] : []).join("; ");
 }
 
-// What a cell's colour leaves out, in lines.
+// Lines about the end of a cell that its colour does not tell.
 function ending(k) {
   const { words } = outcome(k);
   if (words === state(k).words) return [];
@@ -203,12 +202,12 @@ function drawMap() {
   drawRequired();
 }
 
-// Numbers of required shocks of the map's pulse, at its edge where they lie beyond it.
+// Draws the numbers of required shocks of the chosen pulse, at the map's edge if they lie beyond it.
 function drawRequired() {
   const has = axes[X].name === "f0" && axes[Y].name === "N" && !axes[X].ticked && !axes[Y].ticked;
   const { shape, direction } = pulseAt();
   const shown = study.required.flatMap(([name, f0, N, pushed], n) =>
-    (has && pushed.some(([one, way]) => one === shape && way === direction) ? [{ name, f0, N, text: String(n + 1) }] : []));
+    (has && pushed.some(([kind, way]) => kind === shape && way === direction) ? [{ name, f0, N, text: String(n + 1) }] : []));
   const within = (n, value) => Math.min(Math.max(value, axes[n].edges[0]), axes[n].edges.at(-1));
   const [x, y] = [shown.map(({ f0 }) => within(X, f0)), shown.map(({ N }) => within(Y, N))];
   Plotly.restyle(map, { x: [x], y: [y], text: [shown.map(({ text }) => text)] }, [REQUIRED]);
@@ -219,7 +218,7 @@ function drawRequired() {
   }).join(""));
 }
 
-// Where a cell that snaps stands among the colours of times, nearly from -0.5 to 0.5.
+// Place of a cell's snap on the ramp of times, from -0.49 to 0.49.
 function shade(k) {
   const [first, last] = snapTimes();
   const scaled = last > study.wide * first ? Math.log : (time) => time;
@@ -234,7 +233,7 @@ function snapTimes() {
   return cells.ends;
 }
 
-// N_always where it is another, the band of N_first's error, and N_first along the map's x.
+// Lines along the map's x: N_always where it differs, the error band of N_first, and N_first.
 function thresholds() {
   const x = axes[X].values;
   const [N, error, always] = ["N_first", "N_error", "N_always"].map((key) =>
@@ -261,7 +260,7 @@ function inkOn(colour) {
   return 0.3 * red + 0.6 * green + 0.1 * blue < 110 ? "#ffffff" : "#333333";
 }
 
-// A number on an axis between those of two cells.
+// Interpolates between the values of an axis, at a place between two cells.
 function between(values, place, isLog) {
   const low = Math.floor(place), [a, b] = [values[low], values[Math.ceil(place)]];
   if (a === b) return a;
@@ -320,23 +319,22 @@ let turn = 0;
 
 // Follows the chosen shock, bit by bit, until another one is chosen.
 async function followChoice(k) {
-  const mine = (turn += 1), said = document.getElementById("followed");
+  const choice = (turn += 1), line = document.getElementById("followed");
   run = null;
   room.hidden = isAbsent(k) || !pulseAt().pieces;
-  if (isAbsent(k)) said.textContent = "";
-  if (!isAbsent(k) && room.hidden) said.textContent = study.unfollowed;
+  if (room.hidden) line.textContent = isAbsent(k) ? "" : study.unfollowed;
   if (room.hidden) return;
   const [N, f0, C] = SHOCK.map(valueOf), shock = { N, f0: f0 * 1e-6, C }, [form, pulse] = [formAt(), pulseAt()];
   const dt = stepOf(form, pulse, shock, study.limits);
   const course = follow(form, pulse, shock, study.horizon, study.side, dt);
   for (;;) {
     await new Promise((go) => { setTimeout(go); });
-    if (mine !== turn) return;
+    if (choice !== turn) return;
     const { done, value } = course.next();
     if (!done) continue;
     run = { ...value, form, end: 1e-3 / shock.f0 };
     drawRun();
-    said.textContent = followed(k);
+    line.textContent = followed(k);
     return;
   }
 }
@@ -369,7 +367,7 @@ function standing(time) {
   return Number.isNaN(time) ? { visible: false } : { visible: true, x0: time, x1: time };
 }
 
-// What the page itself saw.
+// Describes the page's own run.
 function followed(k) {
   const { snap, settled, isAcross, failed, dt, steps } = run;
   if (failed) return "The page's own run blew up.";
@@ -381,7 +379,7 @@ function followed(k) {
   return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
 }
 
-// The beam and the mass at a share of the time shown; the beam as a cosine of the height of its midpoint.
+// Draws beam and mass at a share of the time shown; the beam is a cosine with the midpoint's height.
 function drawScene(share) {
   if (!run) return;
   const bin = Math.min(Math.floor(share * run.w.length), run.w.length - 1);
@@ -457,7 +455,7 @@ function withAnotherStep(k) {
 function drawDevice() {
   const chosen = Object.fromEntries(axes.map(({ name, texts }, n) => [name, texts[nearest()[n]]]));
   const written = study.devices[chosen.device ?? ""] ?? [];
-  const further = study.varied.filter(([key]) => !written.some(([own]) => own === key));
+  const further = study.varied.filter(([key]) => !written.some(([name]) => name === key));
   const rows = [...written, ...further].map(([key, words, text]) =>
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
@@ -473,7 +471,7 @@ function choose(i, j) {
   drawChoice();
 }
 
-// Of the shock a slider also stops between cells.
+// Sliders of the shock also stop between cells.
 function addSlider(n) {
   const { name, label, values } = axes[n];
   const [id, isOfShock] = [`at-${name}`, SHOCK.includes(n)];

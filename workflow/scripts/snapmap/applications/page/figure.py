@@ -35,7 +35,7 @@ STRUCK = {
     "alone": "is shaken with its frame by one pulse of acceleration",
     "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
 }
-"""What the pulse does, by the kinds of the drawing."""
+"""Words for what the pulse does, by the kind of the drawing."""
 WORDS = {
     "unsnapped": "no snap, end open",
     "never": "never snaps",
@@ -45,17 +45,17 @@ WORDS = {
     "failed": "failed",
     "absent": "no second stable shape",
 }
-"""Of each outcome, in the order of the codes."""
+"""Words for each outcome, in the order of the codes."""
 GREY = "#999999"
-"""Of what is absent, in place of the white that maps in print hatch."""
+"""Colour of absent cells, which printed maps leave white and hatched."""
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 EDGES = ("N_first", "N_error", "N_always")
 TOO_LONG = "This shock has too many samples to be followed here; histories in the config follow it."
 OF_LAWS = "This page does not know the laws of the study, so it follows no shock."
-"""Why the page does not follow a shock."""
+"""Reasons why the page does not follow a shock."""
 TITLE = "Which shock trips the sensor?"
-"""Of a study that has none."""
+"""Title of a study without one."""
 
 
 def page(
@@ -68,10 +68,10 @@ def page(
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
-    thresholds: at least at the points of the cube
-    horizon: time for which the cells were followed after the pulse, us
-    title: of the study; pulse: its section, as in `Config`; none is the handout's
-    required: shocks to point out: name, f0 (Hz), N, and shape and direction of each of its pulses
+    thresholds: they include the points of the cube
+    horizon: time followed after the pulse, us
+    title: of the study; pulse: its section, as in `Config`; None for the handout's
+    required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     """
     cells, document = thin(cube), json.loads(cube.attrs["config"])
     dims = cells.outcome.dims
@@ -123,15 +123,17 @@ def page(
 
 
 def _simulation(cells, devices, pulse):
-    """What the page follows shocks with; devices: by name, "" of one alone."""
+    """Data with which the page follows shocks; devices: by name, "" for a single one."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
     study = Study(device=devices.get("", devices), shocks=shocks, skip=True).part(names)
-    grid, start = study.set_out(axes), style.starts(json.loads(cells.attrs["config"]))
+    document = json.loads(cells.attrs["config"])
+    grid, start = study.set_out(axes), style.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
-    if "laws" in json.loads(cells.attrs["config"])["model"]:
-        known = [{**shock, "pieces": None} for shock in known]
+    for pulse in known:
+        pieces = None if "laws" in document["model"] else pulse["pieces"]
+        pulse["pieces"] = None if pieces is None else _pack(pieces, np.float64)
     return {
         "side": -1 if start else 1,
         "names": NUMBERS,
@@ -139,10 +141,7 @@ def _simulation(cells, devices, pulse):
         "width": table.shape[1],
         "forms": _pack(table, np.float64),
         "deviceOf": grid.device_of.ravel().tolist(),
-        "pulses": [
-            {**one, "pieces": None if one["pieces"] is None else _pack(one["pieces"], np.float64)}
-            for one in known
-        ],
+        "pulses": known,
     }
 
 
@@ -151,7 +150,7 @@ def _text(name):
 
 
 def _plane(cells):
-    """Names of the axes to the right and upward: f0 and N, or else the longest others."""
+    """Names of the axes to the right and upward: f0 and N, or the longest others in their place."""
     several = [key for key in cells.outcome.dims if cells.sizes[key] > 1]
     longest = sorted(several, key=cells.sizes.get, reverse=True)
     x = next((key for key in ("f0", *longest) if key in several and key != "N"), "f0")
@@ -160,7 +159,7 @@ def _plane(cells):
 
 
 def _axis(cells, key):
-    """An axis as the page's code knows it: where its values stand, and their texts."""
+    """An axis for the page: places of its values, texts, unit and scale."""
     quantity, scale = QUANTITIES[key], scales.scale_of(key, cells[key].values)
     every = -(-scale.values.size // scales.SEVERAL)
     label = scales.axis_label(key, cells.attrs) if key == "N" else quantity.label or quantity.words
@@ -174,7 +173,7 @@ def _axis(cells, key):
         "edges": scale.edges.tolist(),
         "texts": [_say(value, quantity.spelt.page) for value in scale.values.tolist()],
         "type": "log" if scale.is_log else "linear",
-        # What is no number is ticked by name, and so is a single value.
+        # Names and single values have a tick each.
         "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
         "bare": [_say(value) for value in scale.values.tolist()],
         "numbers": cells[key].values.tolist() if key in SHOCK_AXES else [],
@@ -182,7 +181,7 @@ def _axis(cells, key):
 
 
 def _say(value, unit=""):
-    """Four digits and a unit, or a name, as HTML."""
+    """Write a number with four digits and a unit, or a name, as HTML."""
     if isinstance(value, str) or np.isinf(value):
         return html.escape(scales.number(value))
     digits = {"precision": 4, "fractional": False, "trim": "-"}
@@ -192,19 +191,19 @@ def _say(value, unit=""):
 
 
 def _typeset(text):
-    """Formulas, in dollars, as HTML."""
+    """Write a text with formulas in dollars as HTML."""
     return re.sub(r"_(\w)", r"<sub>\1</sub>", text.replace("$", ""))
 
 
 def _kind_of(devices):
-    """Whether all devices are a beam alone, and pushed at the midpoint; a key of STRUCK."""
+    """The key of STRUCK: whether all devices are a beam alone, and pushed at the midpoint."""
     if any(device.get("mass") != "none" for device in devices.values()):
         return ""
     return "alone pushed" if all("force" in device for device in devices.values()) else "alone"
 
 
 def _lacking(devices, dims, document):
-    """Classes of the drawing by what no device has, nor an axis, and by the second shape."""
+    """Classes of the drawing: parts that no device or axis has, and a start in the second shape."""
     named = {*dims}.union(*devices.values())
     parts = {"stops": {"stops", *keys_of("stops").values()}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
@@ -212,7 +211,7 @@ def _lacking(devices, dims, document):
 
 
 def _rows(device):
-    """Rows of the table of a device, of which every value has its unit: key, words and value."""
+    """Yield key, words, and value with its unit for each row of the table of a device."""
     of_key = {quantity.key: quantity for quantity in QUANTITIES.values()}
     for key, text in leaves(device):
         name = key.rpartition(".")[2]
@@ -221,7 +220,7 @@ def _rows(device):
 
 
 def _vibration(device: Mapping, C: Sequence[float] | None):
-    """Rows of natural vibrations, of beam and mass: name, frequency and quality factor."""
+    """Rows of the natural vibrations of beam and mass: name, frequency and quality factor."""
     return [
         [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]
         for row in vibrations(read_device(device), C)
@@ -229,16 +228,16 @@ def _vibration(device: Mapping, C: Sequence[float] | None):
 
 
 def _named(quantity):
-    """Name a value of the device, with its symbol, as HTML."""
+    """Write the words for a value of the device, with its symbol, as HTML."""
     text = html.escape(quantity.words or quantity.name.replace("_", " "))
     return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
 
 
 def _views(cells):
-    """What the map can show: whether cells snap, when, and where they end if that is known.
+    """Describe the views of the map: whether cells snap, when, and, if known, where they end.
 
-    Of each its name and words; states, and the array that has their codes; and a colour scale for
-    plotly, with RAMP in place of `snaps` on the map of times.
+    A view has a name and words; states, and the name of the array of their codes; and a colour
+    scale for plotly. In the view of times RAMP replaces the colour of `snaps`.
     """
     times = (states.WAITING, *states.SNAPS[1:])
     shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
@@ -261,9 +260,9 @@ def _views(cells):
 
 
 def _opening(cells, x, y):
-    """Place on each axis of the cell to begin with: near the middle of x and y, at the threshold.
+    """Choose the first cell, by its place on each axis: at a threshold, near the middle of x and y.
 
-    One that snaps just above one that does not, and ends alike with another step, if there is any.
+    If possible, the cell snaps, the cell below it does not, and another step ends alike.
     """
     dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
     known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
@@ -279,7 +278,7 @@ def _opening(cells, x, y):
 
 
 def _arrays(cells, thresholds):
-    """All that differs from cell to cell: arrays (*axes) or (*axes but N)."""
+    """Arrays over the cells, (*axes), and thresholds, (*axes without N), by name."""
     dims = cells.outcome.dims
     unknown = xr.full_like(cells.t_snap, np.nan)
     columns = {
@@ -299,7 +298,7 @@ def _arrays(cells, thresholds):
 
 
 def _pack(values, number=None):
-    """Pack codes in a byte each, numbers in four unless as another kind, as text."""
+    """Pack an array as text: codes in a byte each, numbers in four or as the type `number`."""
     number = number or (np.float32 if values.dtype.kind == "f" else np.uint8)
     packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
     return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}

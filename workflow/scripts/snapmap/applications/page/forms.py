@@ -1,4 +1,4 @@
-"""What the page needs to follow a shock itself: beams in five cosines, pulses, and steps."""
+"""Data with which the page follows a shock itself: beams in five cosines, pulses, and steps."""
 
 import numpy as np
 
@@ -11,21 +11,22 @@ from ...study.study import Study
 
 COSINES = 5
 MOST_PIECES = 20_000
-"""Of a pulse that the page follows; a longer record would make it as large as itself."""
+"""Most pieces of a pulse that the page follows; a longer record would double its size."""
 LIMITS = {"few": FEWEST_STEPS, "perSwing": PER_SWING, "turn": STRIKE_TURN}
-"""Of the steps, as `simulate.js` calls them."""
+"""Limits of the time step, as `simulate.js` calls them."""
 NUMBERS = (
     *("modes", "axial", "residual", "contact", "M", "K", "z0", "alpha", "toward", "away"),
     *("restitution", "target", "barrier", "saddle", "first", "second", "gravity", "warmth"),
     *("held", "longest", "shortest", "tightening", "omega"),
 )
-"""Of a beam and its mass, as `simulate.js` calls them, before its vectors and matrices."""
+"""Numbers of a beam and its mass, as `simulate.js` calls them; vectors and a matrix follow."""
 
 
 def forms(grid: Grid, start: str) -> np.ndarray:
-    """Tabulate the coefficients of the devices of a grid, (devices, coefficients), zeros behind.
+    """Tabulate the coefficients of the devices of a grid, (devices, coefficients).
 
-    NUMBERS, in the names of docs/theory.md; then kappa, S q0, f, e, the modes at the start, and S.
+    A row holds NUMBERS, then kappa, S q0, f, e, the modes at the start, and S, in the names of
+    docs/theory.md, then zeros.
     """
     model = build_model(grid.device, "cosines", modes=COSINES)
     table = np.zeros((len(grid.device), 0))
@@ -47,7 +48,7 @@ def _rows(model, start):
         *(device.stop_toward, device.stop_away, device.restitution),
         *(model.snap_target(start), barrier.energy, barrier.midpoint),
         *(barrier.first, barrier.second, device.gravity),
-        # What holds the place of a mass has a damper of 1.
+        # Without a mass, a damper of 1 keeps the equation of y solvable.
         *(np.where(device.is_alone, 0.0, device.damper_factor), device.is_alone),
         *(steps.longest[MOVE], steps.shortest),
         *(steps.tightening if start == SECOND else 0.0, omega),
@@ -58,7 +59,7 @@ def _rows(model, start):
 
 
 def pulses(study: Study) -> list[dict]:
-    """What the page knows of each pulse of a study: pieces, none if there are too many of them."""
+    """Describe each pulse of a study for the page; `pieces` is None if there are too many."""
     return [
         {
             "shape": shocks.pulse.name,

@@ -25,7 +25,8 @@ function stepOf(form, pulse, { N, f0 }, limits) {
 
 const sine = (turns) => Math.sin(2 * Math.PI * turns);
 
-// The pulse over its peak, as of solver/kernel/pulse.py: at a jump its mean over a step.
+// The pulse over its peak, by the number of the step; at a jump its mean over a step, as in
+// solver/kernel/pulse.py.
 function pulseOf({ pieces, ends: [begin, end] }, xStep) {
   let k = 0;
   return (n) => {
@@ -39,7 +40,7 @@ function pulseOf({ pieces, ends: [begin, end] }, xStep) {
   };
 }
 
-// A beam at rest and its mass, every mode stretched to the mass 1.
+// The state of a beam at rest and its mass, with every mode scaled to mass 1.
 function load(form, C, dt) {
   const { modes, e } = form, square = dt * dt;
   const kappa = form.kappa.map((stiffness) => stiffness * square);
@@ -71,7 +72,8 @@ function load(form, C, dt) {
   return beam;
 }
 
-// From n to n + 1 under the acceleration a dt^2: p, y, and q, x half way; w and P are those at n.
+// Advances p and y from n to n + 1, and q and x half way, under the acceleration a dt^2; w and P
+// become those at n.
 function advance(beam, a) {
   if (beam.y < -beam.toward && beam.dy < 0) strike(beam, -beam.toward);
   if (beam.y > beam.away && beam.dy > 0) strike(beam, beam.away);
@@ -102,7 +104,7 @@ function advance(beam, a) {
   beam.y += beam.dy;
 }
 
-// The contact force by the root of x + beta P(x) = F, the table of docs/theory.md; m: x before.
+// The contact force, by the root of x + beta P(x) = F in docs/theory.md; m: x of the step before.
 function force(m, F, beta, halfK) {
   const h = halfK * beta;
   if (m <= 0 && F <= 0) return 0;
@@ -111,7 +113,7 @@ function force(m, F, beta, halfK) {
   return (F - (F + m + Math.sqrt((F - m) ** 2 - 4 * h * F * m)) / (2 + 2 * h)) / beta;
 }
 
-// Reflects the mass at a stop that it is beyond, within its energy there.
+// Reflects the mass at a stop that it passed, without a gain of energy.
 function strike(beam, stop) {
   const { M, K, k, a, restitution, dy: d } = beam, m = beam.y - d / 2;
   const overlap = (z) => Math.max(0, beam.x - (z - m));
@@ -139,15 +141,15 @@ function halfway({ modes, p, d, kappa, e, axial, q, M, K, k, y, dy, x, residual,
   return { w, y: middle, beam: beam / square, mass: mass / square, contact: contact / square };
 }
 
-// Whether the beam can leave its side of the saddle no more, once the pulse is over.
+// Whether the energies keep the beam on its side of the saddle, once the pulse is over.
 function isSettled({ barrier, saddle, z0, K }, { w, beam, mass, contact }) {
   if (beam + mass + contact < barrier * (1 - ROUNDING)) return true;
   return beam < barrier * (1 - ROUNDING) && w < saddle && saddle < z0 - Math.sqrt((2 * mass) / K);
 }
 
 // Follows a shock { N, f0 (1/us), C } to the horizon, or for a swing of the mass after it has settled.
-// Yields now and then, as a long one takes a while. Of each bin of `every` steps `low` and `high` are
-// the extremes of w, the others values at its first step; w and y are from rest.
+// Yields every CHUNK steps, so that the page can respond. A bin of `every` steps holds the extremes of
+// w in `low` and `high`, and other values at its first step; w and y count from rest.
 function* follow(form, pulse, shock, horizon, side, dt) {
   const beam = load(form, shock.C, dt), a = pulseOf(pulse, shock.f0 * dt);
   const amplitude = shock.N * form.gravity * dt * dt, lasts = 1 / (shock.f0 * dt);

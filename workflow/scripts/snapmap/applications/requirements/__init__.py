@@ -21,26 +21,26 @@ def described():
 
 
 def request(sections, study, document):
-    """The requirements, each by a name of its own, which the study can have."""
+    """The requirements, by unique names; ValueError, one line, for what the study cannot have."""
     from .sections import read_requirements
 
     return read_requirements(sections or (), study, document.pulse)
 
 
 def shocks_of(study):
-    """Required shocks of a study, as functions take them: name, shocks, N, f0 (Hz), snaps."""
+    """The required shocks of a study as mappings of name, shocks, N, f0 (Hz), snaps, survives."""
     required = study.requests.get("requirements", ())
     return [requirement.values for requirement in required if "shocks" in requirement.values]
 
 
 def plain_shocks(study):
-    """Required shocks of a study in plain values."""
+    """The required shocks of a study in plain values, on which results depend."""
     required = study.requests.get("requirements", ())
     return [requirement.plain() for requirement in required if "shocks" in requirement.values]
 
 
 def left_out(study):
-    """Names of what a yield leaves out: all but required shocks, and what else these demand."""
+    """Names of what a yield leaves out: vibration, spectra, and closings that shocks demand."""
     required = study.requests.get("requirements", ())
     names = [other.values["name"] for other in required if "shocks" not in other.values]
     demanding = [shock for shock in required if "shocks" in shock.values and shock.more]
@@ -54,7 +54,7 @@ def files(study):
 
 
 def marks(study):
-    """Required shocks on maps: name, f0 (Hz), N, and under what each pushes."""
+    """Required shocks on maps: name, f0 (Hz), N, and a list of pulse, direction and start."""
     from ...solver.settings import FIRST
 
     for required in shocks_of(study):
@@ -81,7 +81,7 @@ def params(study):
 
 
 def run(study, path):
-    """Judge what is required; write a row for each device, corner and C, with what it does."""
+    """Judge the requirements, and write a row for each device, corner and C."""
     from .verdicts import write_verdicts
 
     write_verdicts(study.of_thresholds(), study.requests["requirements"], path)

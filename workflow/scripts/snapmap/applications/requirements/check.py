@@ -19,18 +19,18 @@ from ...thresholds.surface import first_snaps
 from .corners import MET, UNCLEAR, VIOLATED, Verdict, beyond, corner_text
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
-"""Units of thresholds of what is no single shock."""
+"""Units of the thresholds of vibration and of spectra, by the shape of a verdict."""
 SEARCHED = "N_first", "N_error", "N_always", "ragged"
-"""What a search along N tells of a row."""
+"""Results of a search along N, for each row."""
 
 
 class Survival(NamedTuple):
-    """What a required shock leaves of the beam.
+    """Whether the beam survives a required shock.
 
-    must_survive: the least probability with which it must not break; 0 if it may
-    strength_margin: strength over the largest stress; of a Weibull distribution that of which 63 %
-        break; NaN if it never does
-    break_probability: under that stress; 0 or 1 if the strength is a number
+    must_survive: least probability that it must not break; 0 if it may break
+    strength_margin: strength over the largest stress, NaN without a strength; of a Weibull
+        distribution the strength at which 63 % break
+    break_probability: probability that it breaks; 0 or 1 if the strength is a number
     """
 
     must_survive: float
@@ -47,11 +47,11 @@ def check(
 ) -> list[Verdict]:
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
-    study: whose pulse and start are of no account
-    requirements: name, shocks, N, f0 (Hz), snaps and start of each
-    C: uN us/um; tolerance: of the thresholds in N, relative
-    temperatures: degC, at each of which there are verdicts; none: the devices' own
-    Of shocks of several shapes or directions there are verdicts under each.
+    study: its pulse and start do not matter
+    requirements: mappings of name, shocks, N, f0 (Hz), snaps and start
+    C: uN us/um; tolerance: relative tolerance of the thresholds
+    temperatures: degC; empty for those of the devices
+    Returns a Verdict for each device, temperature, shape and direction of a requirement, and C.
     """
     return [
         verdict
@@ -63,9 +63,9 @@ def check(
 def each_device(
     study: Study, requirements: Sequence[Mapping], temperatures: Sequence[float] = ()
 ) -> Iterator[tuple[Mapping, str, Study]]:
-    """Each requirement with the name and the study of each device at each temperature.
+    """Yield each requirement with the name and the study of each device at each temperature.
 
-    A single device has no name; without temperatures each is at its own.
+    The name of a single device is empty. Without temperatures each device keeps its own.
     """
     several = isinstance(study.device, Mapping)
     for required in requirements:
@@ -118,7 +118,10 @@ def _verdicts(study, name, required, C, tolerance):
 def judge(
     verdict: Verdict, device: Device, stress: float, must_survive: float
 ) -> tuple[Verdict, Survival]:
-    """The verdict once the largest stress of the shock is known, MPa, and what it is based on."""
+    """Add survival to a verdict by the largest stress of the shock, MPa.
+
+    Returns the verdict, VIOLATED if the beam breaks too probably, and the Survival.
+    """
     strength = device.strength_threshold + device.strength
     margin = strength / stress if stress > 0 and strength < np.inf else np.nan
     breaks = break_probability(device, stress).item()
@@ -128,15 +131,15 @@ def judge(
 
 
 def _is_close(N_first: float, N_error: float, N_always: float, ragged: int, N: float) -> bool:
-    """Whether N lies within the bar about the first snap, or up to that of a ragged row's last."""
+    """Whether N is within the error bar of the first snap, or in the ragged range above it."""
     last = np.fmax(N_first, N_always) if ragged else N_first
     return bool(N_first - N_error <= N <= last + N_error)
 
 
 def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
-    """The verdict whose threshold is furthest on the wrong side, or nearest to it; and in words.
+    """Choose the verdict whose threshold is furthest on the wrong side, or else nearest to it.
 
-    Requirements that say nothing about a trip have none.
+    Returns the verdict and its description, or None and "" if no requirement is about a trip.
     """
     tripping = [verdict for verdict in verdicts if verdict.must_snap != ANY]
     if not tripping:
@@ -157,12 +160,12 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:
-    """One line: how many requirements are met everywhere, and the names of those that are not."""
-    worst = dict.fromkeys((verdict.requirement for verdict in verdicts), MET)
+    """Write in a line how many requirements are met everywhere, and which are not."""
+    kinds = dict.fromkeys((verdict.requirement for verdict in verdicts), MET)
     for kind in (UNCLEAR, VIOLATED):
-        worst |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
-    parts = [f"{list(worst.values()).count(MET)} of {len(worst)} requirements met"]
+        kinds |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
+    parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met"]
     for kind in (VIOLATED, UNCLEAR):
-        if names := ", ".join(name for name in worst if worst[name] == kind):
+        if names := ", ".join(name for name in kinds if kinds[name] == kind):
             parts.append(f"{kind}: {names}")
     return "; ".join(parts)

@@ -1,4 +1,4 @@
-"""Rows of verdicts by what they are of: their corners, the worst first, and these in words."""
+"""Corners of requirements: the device, temperature, shape and direction of each verdict."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -15,13 +15,14 @@ MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 
 
 class Verdict(NamedTuple):
-    """One requirement on one device at one damping, at one temperature, under one shock.
+    """The verdict on a requirement for one device, C, temperature, and shape and direction.
 
     N, N_first, N_error: multiples of g; f0: Hz; duration: ms; C: uN us/um; temperature: degC
     must_snap: true, false, or ANY
-    scale, scale_first: N and N_first as factors of the record; NaN unless it is one
-    margin, margin_error: N_first and its bar over N; NaN where nothing snaps
-    outcome: of the shock as simulated; verdict: MET, VIOLATED, or UNCLEAR within the bar
+    scale, scale_first: N and N_first as factors of a recorded shock, else NaN
+    margin, margin_error: N_first and its error bar over N; NaN where nothing snaps
+    outcome: outcome of the required shock, simulated
+    verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
     start: as in `Settings`
     """
 
@@ -41,13 +42,13 @@ class Verdict(NamedTuple):
     margin: float
     margin_error: float
     verdict: str
-    scale: float
-    scale_first: float
+    scale: float = np.nan
+    scale_first: float = np.nan
     start: str = FIRST
 
 
 def read_verdicts(path: str | Path) -> list[dict]:
-    """Read the rows of requirements.csv: names stay text, even such as 12 or nan.
+    """Read the rows of requirements.csv; names such as 12 or nan stay text.
 
     `must_snap` is True, False or `any`.
     """
@@ -62,7 +63,7 @@ def read_verdicts(path: str | Path) -> list[dict]:
 
 
 def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
-    """Rows of verdicts by requirement, device and C: of each the corners, the worst first."""
+    """Group rows of verdicts by requirement, device and C; each group begins with its worst."""
     groups = {}
     for row in rows:
         groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
@@ -70,7 +71,10 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
 
 
 def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
-    """The study of a requirement at a corner, by its device, temperature, shape and direction."""
+    """Narrow a study to a requirement at the device, temperature, shape and direction of a corner.
+
+    required: as `shocks_of` returns it; corner: a Verdict as a mapping
+    """
     device = study.device
     device = device[corner["device"]] if isinstance(device, Mapping) else device
     if corner["temperature"] != device.temperature:
@@ -84,7 +88,10 @@ def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
 
 
 def badness(row: Mapping) -> tuple[int, float]:
-    """Rank a row by its verdict, then by the margin beyond, or the least of all others."""
+    """Rank a row of verdicts, higher if worse: by its verdict, then by `beyond`.
+
+    Where a trip does not matter, the least of the other margins counts.
+    """
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
     if row["must_snap"] == ANY:
         margins = {key: row[key] for key in row if key.endswith("_margin")}
@@ -96,18 +103,21 @@ def badness(row: Mapping) -> tuple[int, float]:
 
 
 def beyond(margin: float, must_snap: bool) -> float:
-    """A margin on the wrong side, above 0, or on the right one, as a logarithm."""
+    """Logarithm of how far a margin is on the wrong side; below 0 on the right side."""
     size = np.inf if np.isnan(margin) else np.log(margin)
     return size if must_snap else -size
 
 
 def corner_text(row: Mapping) -> str:
-    """The corner of a verdict in words, with its C: a shock, and a temperature."""
+    """Write shape, direction, C and temperature of a verdict."""
     shock = f"{row['shape']} {row['direction']}"
     return f"{shock}, C = {plain(row['C'])}, {plain(row['temperature'])} degC"
 
 
 def must_text(name: str, must_snap: bool | int | str) -> str:
-    """A requirement by its name and what the device must do, as rows and datasets have it."""
+    """Write a requirement's name and what the device must do.
+
+    must_snap: as in rows of verdicts, or as coded in datasets
+    """
     need = {0: "does not trip", 1: "trips"}.get(must_snap, "trips or not")
     return f"{name}, {need}"

@@ -25,13 +25,12 @@ BEYOND = 1.25
 
 
 def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
-    """Draw the threshold over the required N of each verdict, with its bar; logarithmic.
+    """Draw the threshold over the required N of each verdict, with its error bar; logarithmic.
 
     verdicts: rows of requirements.csv
-    A row is of a requirement on a device at one C; of several shocks or temperatures it is the
-    worst, which its name tells, and the others are dots; the row with the least slack is on top.
-    Shaded is where it is met: above one if the shock must not trip, below if it must; all of what
-    may trip or not and is met.
+    Each requirement, device and C has a row, the one with the least slack on top. A marker and the
+    label show its worst corner; dots show the others. The shade shows where the requirement is
+    met: above 1 if the shock must not trip, below 1 if it must.
     """
     groups = sorted(corners(verdicts), key=lambda group: badness(group[0]), reverse=True)
     known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
@@ -74,5 +73,5 @@ def _name(row):
 
 
 def required_text(name: str, must_snap: bool | str) -> str:
-    """Name a requirement and what the device must do, as figures have it."""
+    """Write a requirement's name and what the device must do, for a figure."""
     return must_text(style.literal(name), must_snap)

@@ -1,4 +1,4 @@
-"""What must, or must not, trip a device: an object that checks itself."""
+"""Requirements of a study, objects that check themselves."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,21 +11,24 @@ from .corners import at_corner
 
 
 class Required(Protocol):
-    """A requirement: a shock, a vibration, a spectrum.
+    """A requirement: a shock, a vibration, or a spectrum.
 
-    values: `name`, `snaps`, and what else its kind has
+    values: `name`, `snaps`, and further values of its kind
     """
 
     values: Mapping
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts on each device at each temperature and C (uN us/um), with what stands beside."""
+        """Judge each device at each temperature and C (uN us/um).
+
+        Returns pairs of a Verdict and a mapping of further columns of its row.
+        """
 
     def require(self, study: Study) -> None:
-        """Raise ValueError, one line, where a study cannot have it."""
+        """Raise ValueError, one line, if the study cannot have this requirement."""
 
     def plain(self) -> dict:
-        """It in plain values, on which its verdicts depend."""
+        """Plain values on which the verdicts depend."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +36,14 @@ class RequiredShock:
     """A required shock.
 
     values: as `check.check` takes them, with survives
-    more: what it demands beside the trip and the strength, in a word
+    more: a word for what its kind demands beside trip and survival; empty for nothing
     """
 
     values: dict
     more: ClassVar = ""
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts by thresholds and strength, with what else is seen of each shock."""
+        """Judge by threshold and strength; the further columns are extremes and survival."""
         from ..histories.history import observed_of
         from .check import check, judge
 
@@ -48,14 +51,14 @@ class RequiredShock:
         how = study.threshold_tolerance, study.temperatures
         for verdict in check(study, [required], C, *how):
             shaken = at_corner(study, required, verdict._asdict())
-            seen = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
-            stress, must_survive = seen["stress_max"], required["survives"]
+            columns = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            stress, must_survive = columns["stress_max"], required["survives"]
             verdict, survival = judge(verdict, shaken.device, stress, must_survive)
-            judged.append((verdict, seen | survival._asdict()))
+            judged.append((verdict, columns | survival._asdict()))
         return judged
 
     def require(self, study: Study) -> None:
-        """Raise ValueError where a device lacks the strength or frame that it needs."""
+        """Raise ValueError if a device lacks a strength or frame that the requirement needs."""
         unbreakable = any(np.isinf(device.strength) for device in study.devices().values())
         if self.values["snaps"] == ANY and not self.more and unbreakable:
             what = f"snaps: any of {self.values['name']}"
@@ -63,5 +66,5 @@ class RequiredShock:
         replace(study, shocks=self.values["shocks"])  # a force shakes no frame
 
     def plain(self) -> dict:
-        """All but the shocks themselves, which follow from `pulse`."""
+        """All values but the shocks, which follow from `pulse`."""
         return {key: value for key, value in self.values.items() if key != "shocks"}

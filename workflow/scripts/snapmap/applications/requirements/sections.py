@@ -30,7 +30,7 @@ NAME = argument(
 
 
 def snaps(*words: str) -> object:
-    """The key that says whether a device must trip: true, false, or one of some words."""
+    """Make the key that tells whether a device must trip: true, false, or one of the words."""
     need, what = "true or false", "whether the device must trip"
     if words:
         need, what = "true, false or any", f"{what}; `any`: either is right"
@@ -71,7 +71,7 @@ class ShockSection(PulseSection):
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[tuple, str]:
-        """Name what is there too much, or lacks."""
+        """Faults of keys that are missing or exclude each other, by their places."""
         return super().beside(written) | one_time(written, any(name in written for name in TIMED))
 
     def make(self) -> None:
@@ -89,9 +89,9 @@ class ShockSection(PulseSection):
         return self.survives if self.has("survives") else SURVIVES
 
     def under(self, pulse: PulseSection | None) -> RequiredShock:
-        """The requirement in a study.
+        """Make the requirement of a study.
 
-        pulse: the study's, whose shape and direction hold unless it has its own
+        pulse: section of the study, whose shape and direction hold unless this section has its own
         """
         values = self.values()
         if not self.has("shape", *TIMED):
@@ -114,7 +114,7 @@ class ShockSection(PulseSection):
 
     @staticmethod
     def _inherited(pulse):
-        """Shape and shares of the study's pulse, in internal units."""
+        """Values of the study's pulse, in internal units; ValueError if it sets its duration."""
         values = pulse.values() if pulse else {}
         if timed := next((name for name in TIMED if name in values), None):
             raise ValueError(
@@ -125,7 +125,7 @@ class ShockSection(PulseSection):
 
 
 def requirement(kinds: Mapping[str, type[Section]]) -> object:
-    """A requirement of any kind, in a list; kinds: sections by a key that they alone have."""
+    """Make the type of an item of `requirements`; kinds: sections by a key that only they have."""
 
     def convert(value):
         kind = ShockSection
@@ -139,9 +139,9 @@ def requirement(kinds: Mapping[str, type[Section]]) -> object:
 def read_requirements(
     sections: Sequence[Section], study: Study, pulse: PulseSection | None
 ) -> list[Required]:
-    """Take the requirements of a config; ValueError, one line, for one that cannot be.
+    """Take the requirements of a config; raises ValueError, one line, for an invalid one.
 
-    pulse: the section of the study's pulse, or nothing
+    pulse: the study's section `pulse`, or None
     """
     from ...config.study import require_start  # which itself imports these sections
 

@@ -1,4 +1,4 @@
-"""Verdicts of a study as a table, and what a change of the device would do."""
+"""Verdicts of a study as a table, and changes of the device that meet a requirement."""
 
 import csv
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ from .required import Required
 def hint(
     study: Study, requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
 ) -> str:
-    """Which changes of one value bring a verdict to the right side, and what fails by each.
+    """Write which changes of a single value meet a requirement, and which others fail by them.
 
-    study: a `Config`; verdicts: of all requirements, at each C; wrong: the one whose threshold is
-        to move
-    Empty where it is on the right side, is no single shock, or no change was seen to help.
+    study: a `Config`; verdicts: of all requirements, at each C; wrong: the one of them to correct
+    Returns "" if its threshold is on the right side, if no single shock is required, or if no
+    change helps.
     """
     shocks = [required for required in requirements if "shocks" in required.values]
     goals = [shock.values for shock in shocks if shock.values["name"] == wrong.requirement]
@@ -44,7 +44,7 @@ def hint(
             continue
         violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
         failing = [(verdict.requirement, verdict.C) for verdict in violated]
-        # At another temperature, under another shock, or by what else it demands.
+        # It may still fail at another corner, or by its other demands.
         if (wrong.requirement, wrong.C) in failing:
             continue
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
@@ -54,7 +54,7 @@ def hint(
 
 
 def write_verdicts(study: Study, requirements: Sequence[Required], path: str) -> None:
-    """Judge requirements, and write a row for each device, corner and C; prints the worst.
+    """Judge requirements, write a row for each device, corner and C, and print a summary.
 
     study: a `Config`
     """

@@ -4,7 +4,7 @@ public = {"vibration": "vibration", "srs_test": "trips"}
 
 
 def kinds():
-    """Kinds of requirements, by the key that each alone has."""
+    """Sections of requirements, by the key that only they have."""
     from .sections import SpectrumSection, VibrationSection
 
     return {"psd": VibrationSection, "srs": SpectrumSection}

@@ -10,25 +10,23 @@ from ...device.argument import argument_of, integer, pairs
 from ...pulse.pulse import Pulse, straight
 
 REACH = 0.01
-"""Probability of a snap within the duration that vibration may have, by default."""
+"""Default probability of a snap within the duration of the vibration."""
 SECONDS, PERIODS = 1.0, 10.0
-"""Length of a record, at least so many periods of the lowest frequency; s."""
+"""A record lasts SECONDS, s, or PERIODS of the lowest frequency if these are longer."""
 PER_PERIOD = 16
-"""Samples in a period of the highest frequency; straight lines between them leave images of it of
-0.4 % of its amplitude, and take 1.3 %, which is given back."""
-
+"""Samples in a period of the highest frequency. Straight lines between them lower its amplitude by
+1.3 %, which `record` corrects, and add images of 0.4 %."""
 MOST_SAMPLES = 2**21
-"""In a record: 100 MB; as many as one of 1 Hz to 10 kHz has."""
+"""Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
 Density = Annotated[Sequence[Sequence[float]], pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
 Records = Annotated[int, integer(1, 10_000)]
 
 
 class Spectrum:
-    """One-sided power spectral density of the frame's acceleration, straight between its points on
-    logarithmic scales; a ValueError, one line, for what cannot be.
+    """One-sided density of the frame's acceleration, straight between points on logarithmic scales.
 
-    points: frequency (Hz) and density (g^2/Hz), ascending
+    points: pairs of frequency (Hz) and density (g^2/Hz), ascending; ValueError for invalid ones
     """
 
     def __init__(self, points: Sequence[Sequence[float]]):
@@ -48,7 +46,7 @@ class Spectrum:
 
     @property
     def rms(self) -> float:
-        """Root of its integral, multiples of g."""
+        """Root mean square of the acceleration, multiples of g."""
         total, ratios = 0.0, self.f[1:] / self.f[:-1]
         for f, S, ratio, slope in zip(self.f, self.density, ratios, self._slopes, strict=False):
             power = slope + 1
@@ -57,11 +55,11 @@ class Spectrum:
         return math.sqrt(total)
 
     def record_length(self, duration: float) -> float:
-        """Length of one record, s, of a vibration of so many s."""
+        """Return the length of one record, s, of a vibration; duration: s."""
         return min(duration, max(SECONDS, PERIODS / self.f[0]))
 
     def require_record(self, duration: float) -> None:
-        """Raise ValueError, one line, for a vibration of so many s of which no record is drawn."""
+        """Raise ValueError, one line, if a record is too long or has no sine; duration: s."""
         length, (low, high) = self.record_length(duration), self.f[[0, -1]]
         samples = PER_PERIOD * high * length
         if samples > MOST_SAMPLES:
@@ -77,18 +75,19 @@ class Spectrum:
             raise ValueError(f"psd: a record {line} frequencies that are farther apart")
 
     def record(self, length: float, seed: Sequence[int]) -> tuple[Pulse, float]:
-        """Draw a stationary Gaussian record, linear between samples; and its peak, multiples of g.
+        """Draw a stationary Gaussian record, linear between samples.
 
-        a = sum sqrt(2 S df) cos(2 pi f t + phase), over f = df, 2 df, ..., df = 1/length, each
-        phase drawn evenly. It begins and ends at rest, as its first and last sample are set to 0.
+        a = sum sqrt(2 S df) cos(2 pi f t + phase), over f = df, 2 df, ..., with df = 1/length and
+        uniformly distributed phases. The first and the last sample are set to 0.
         length: s; seed: of the phases
+        Returns the record over its peak, and the peak, multiples of g.
         """
         from .sums import sines  # numba, for which no config that is read has to wait
 
         samples = 1 << math.ceil(math.log2(PER_PERIOD * self.f[-1] * length))
         lines = np.arange(1, math.floor(self.f[-1] * length) + 1)
         f, share = lines / length, lines / samples
-        # What straight lines between samples keep of an amplitude.
+        # Straight lines between samples keep this share of an amplitude.
         kept = (sines(share / 2) / (np.pi * share)) ** 2
         amplitude = np.sqrt(2 * self.at(f) / length) / kept
         turns = np.random.default_rng(seed).random(f.size)

@@ -19,18 +19,18 @@ class RequiredVibration:
     values: dict
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts by the level at which it trips as likely as it may; nothing beside."""
+        """Judge by the level at which a trip is as probable as allowed; no further columns."""
         from .verdicts import check_vibrations
 
         verdicts = check_vibrations(study, [self.values], C, study.temperatures)
         return [(verdict, {}) for verdict in verdicts]
 
     def require(self, study: Study) -> None:
-        """Raise ValueError where forces push the beam, and no frame is shaken."""
+        """Raise ValueError if a force pushes the beam, as then no frame is shaken."""
         study.require_frame("a spectrum among the requirements")
 
     def plain(self) -> dict:
-        """All of its values, which are plain."""
+        """All values; they are plain."""
         return self.values
 
 
@@ -38,7 +38,7 @@ class RequiredSpectrum(RequiredVibration):
     """A required shock response spectrum; values: name, srs, direction and snaps."""
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Verdicts by the factor from which a record of it trips; nothing beside."""
+        """Judge by the factor of the spectrum from which its records trip; no further columns."""
         from .verdicts import check_spectra
 
         verdicts = check_spectra(study, [self.values], C, study.temperatures)
@@ -46,7 +46,7 @@ class RequiredSpectrum(RequiredVibration):
 
 
 def _points(name, unit, such, what, example):
-    """Pairs of a frequency and what a spectrum has there."""
+    """Make the type of a spectrum: pairs of a frequency and a density or level."""
 
     def level(value):
         number, _, written = str(value).strip().partition(" ")
@@ -89,7 +89,7 @@ class VibrationSection(Section):
         return [list(pair) for pair in self.psd]
 
     def under(self, pulse: PulseSection | None) -> RequiredVibration:
-        """The requirement in a study; vibration has no pulse."""
+        """Make the requirement; vibration does not depend on the study's pulse."""
         values = {"name": self.name, "snaps": self.snaps, "psd": self.points}
         values |= {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
         return RequiredVibration(values)
@@ -122,7 +122,7 @@ class SpectrumSection(Section):
         return [list(pair) for pair in self.srs]
 
     def under(self, pulse: PulseSection | None) -> RequiredSpectrum:
-        """The requirement in a study, whose direction holds unless it has its own."""
+        """Make the requirement of a study, whose direction holds unless the section has its own."""
         values = {"name": self.name, "snaps": self.snaps, "srs": self.points}
         values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
         return RequiredSpectrum(values)

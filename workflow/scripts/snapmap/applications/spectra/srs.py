@@ -11,31 +11,32 @@ from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 
 Q = 10.0
-"""Quality factor of the oscillators whose largest answers a spectrum holds, as is customary."""
+"""Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
 PER_OCTAVE = 6
 PER_PERIOD = 16
-"""Samples in a period of the highest frequency; the largest is missed by 2 % at most."""
+"""Samples in a period of the highest frequency; they miss the largest value by 2 % at most."""
 MOST_SPAN = 10_000
-"""Highest over lowest frequency of a spectrum, as a record must have periods of both."""
-# ASSUME: a shock of a spectrum is a sum of wavelets, each beginning within its own length.
+"""Largest ratio of the frequencies of a spectrum, as a record must have periods of both ends."""
+# ASSUME: a shock of a spectrum is a sum of wavelets; each begins within its own length.
 LOBES = (5, 7, 9, 11)
-"""Half periods in a wavelet; odd, so that it leaves no velocity and no displacement."""
+"""Half periods in a wavelet; with an odd number no velocity or displacement remains."""
 ROUNDS = 25
-"""Of corrections of a record, of which the best is taken."""
+"""Number of corrections of a record; the best record counts."""
 PER_SAMPLE = 1e-8
-"""Core time that a round takes of each frequency, s, about."""
+"""Approximate core time of a round for each sample and frequency, s."""
 BAND = 6.0
-"""dB within which a record must meet its spectrum, as a laboratory must."""
+"""Largest deviation of a record from its spectrum, dB; laboratories have the same limit."""
 DIGITS = 6
-"""Of the amplitudes that are kept: the same on every machine."""
+"""Significant digits of the wavelets' amplitudes, so that every machine has the same."""
 
 
 def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray:
-    """Largest absolute acceleration of oscillators of Q = 10 on a frame, in the frame's unit.
+    """Find the largest absolute accelerations of oscillators of Q = 10 on a frame, (frequencies,).
 
-    acceleration: from rest, linear between samples, (samples,), which 0 follow; step: between them,
-        s; f: Hz, (frequencies,)
-    By the ramp-invariant recursion of Smallwood, to a period of each oscillator after the end.
+    acceleration: of the frame, from rest, linear between samples, 0 after them, (samples,)
+    step: between samples, s; f: Hz, (frequencies,)
+    The method is Smallwood's ramp-invariant recursion, up to one period of each oscillator after
+    the end. The unit is that of `acceleration`.
     """
     from scipy.signal import lfilter  # half a second, for which nobody else has to wait
 
@@ -54,7 +55,7 @@ def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray
 
 
 def frequencies(low: float, high: float) -> np.ndarray:
-    """Sixth octaves from low on, Hz, and high."""
+    """Return sixth octaves from low, Hz, and high as the last frequency."""
     octaves = math.ceil(math.log2(high / low))
     f = portable.geometric(low, low * 2.0**octaves, PER_OCTAVE * octaves + 1)
     return np.append(f[f < high * (1 - 1e-9)], high)
@@ -66,15 +67,15 @@ Levels = Annotated[
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
-    """A spectrum's points, (points, 2); a ValueError, one line, for what cannot be."""
+    """Return a spectrum's points as an array, (points, 2); raises ValueError for invalid ones."""
     points = argument_of(Levels).take("srs", points)
     if points[-1][0] > MOST_SPAN * points[0][0]:
-        raise ValueError(f"srs: its frequencies span more than 1:{MOST_SPAN}")
+        raise ValueError(f"srs: frequencies span more than 1:{MOST_SPAN}; write a narrower range")
     return points
 
 
 def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:
-    """A spectrum at frequencies, straight between its points on logarithmic scales."""
+    """Interpolate a spectrum at frequencies, straight between its points on logarithmic scales."""
     known, values = np.log(np.array(points, float).T)
     return np.exp(np.interp(np.log(f), known, values))
 
@@ -82,8 +83,8 @@ def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:
 class Record(NamedTuple):
     """A record that meets a spectrum.
 
-    pulse: with its own duration; peak: multiples of g
-    deviation: of its spectrum from the one that was asked for, dB, (frequencies,)
+    pulse: the record over its peak, with its own duration; peak: multiples of g
+    deviation: of its spectrum from the required one, dB, (frequencies,)
     """
 
     pulse: Pulse
@@ -92,10 +93,10 @@ class Record(NamedTuple):
 
 
 def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
-    """Draw a record whose response spectrum is near one; wavelets, their amplitudes corrected.
+    """Draw a sum of wavelets, and correct their amplitudes until it meets a response spectrum.
 
-    points: as from `check_points`; seed: of the wavelets' lengths, signs and begins
-    Raises ValueError, one line, where it is not met within BAND.
+    points: as `check_points` returns them; seed: of the wavelets' lengths, signs and begins
+    Raises ValueError, one line, if the record does not meet the spectrum within BAND.
     """
     from .sums import wavelets  # numba, for which no config that is read has to wait
 
@@ -123,5 +124,5 @@ def record(points: Sequence[Sequence[float]], seed: Sequence[int]) -> Record:
 
 
 def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
-    """Core time in which a record like one of a spectrum is drawn, s, about."""
+    """Forecast the core time to draw a record of a spectrum, s; pulse: another of its records."""
     return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)

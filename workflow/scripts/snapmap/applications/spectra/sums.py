@@ -7,7 +7,7 @@ from ...numerics.kernels import compiled, sine
 
 @compiled
 def sines(turns):
-    """sin(2 pi turns), (n,)."""
+    """Return sin(2 pi turns), (n,)."""
     values = np.empty(turns.size)
     for i in range(turns.size):
         values[i] = sine(turns[i])
@@ -16,7 +16,7 @@ def sines(turns):
 
 @compiled
 def wavelets(amplitude, f, begin, lasts, samples):
-    """The sum of wavelets, (samples,); f, begin, lasts: in samples."""
+    """Add wavelets, (samples,); f: turns per sample; begin, lasts: numbers of samples."""
     total = np.zeros(samples)
     for i in range(f.size):
         for k in range(int(begin[i]) + 1, min(samples, int(begin[i] + lasts[i]) + 1)):

@@ -1,4 +1,4 @@
-"""Which of the records that meet a shock response spectrum trip a device, and at which level."""
+"""Whether records that meet a shock response spectrum trip a device, and at which factor."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Unpack
@@ -23,10 +23,9 @@ from .srs import Levels, check_points, draw_seconds, record
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
-"""Of the spectrum, at which its records are followed: from 12 dB below to 12 dB above."""
-
+"""Factors of the spectrum at which its records are followed: from 12 dB below to 12 dB above."""
 PER_RECORD = 120
-"""Runs that one record of vibration takes: 12 levels, each ten times as long as told."""
+"""Time that a record takes, over that of a run as forecast: 12 levels, each ten times as long."""
 
 
 class TripOptions(arguments.RunOptions, AutoOptions, arguments.AxisOptions, total=False):
@@ -70,7 +69,7 @@ def trips_of(
 ) -> xr.Dataset:
     """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
 
-    axes: values of the device, and C; points: as from `check_points`; drawn: records, seed
+    axes: values of the device, and C; points: of `check_points`; drawn: number of records, seed
     """
     seeds = [[drawn["seed"], number] for number in range(drawn["records"])]
     records = [record(points, seeds[0])]
@@ -107,9 +106,10 @@ def tell_records(
     records: int,
     drawn: float = 0.0,
 ) -> None:
-    """Warn of rows long followed under records like a pulse, or refuse them, as `tell_cost`.
+    """Warn if rows under records take long, and refuse them if they take too long.
 
-    rows: of which f0 and pulse are of no account; drawn: time in which records are, s
+    what: name of the function; rows: their f0 and pulse do not matter; pulse: one of the records
+    records: their number; drawn: core time to draw them, s
     """
     under = to_rows(rows.device, 1e6 / pulse.duration, rows.C, 0, (pulse,))
     followed = PER_RECORD * records * float(run_seconds(model, under, settings).sum())
@@ -125,10 +125,10 @@ def snap_times(
     levels: Sequence[float],
     settings: Settings,
 ) -> np.ndarray:
-    """When records at levels snap rows, us, (rows, records, levels); NaN if not, -inf if unknown.
+    """Find when records at levels snap rows, us, (rows, records, levels).
 
-    rows: of which f0 and pulse are of no account; records: pulses with their peaks, multiples of g;
-    levels: over those
+    rows: their f0 and pulse do not matter; records: pulses with their peaks, multiples of g
+    levels: factors of the records. A run without a snap has NaN, a failed run -inf.
     """
     pulses, peaks = zip(*records, strict=True)
     device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
@@ -140,10 +140,11 @@ def snap_times(
 
 
 def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
-    """Factors up to which no run snaps, from which one does, up to which one stays, from which all
-    snap; 0 or inf where there is none.
+    """Find four factors: the highest up to which no run snaps, the lowest at which any run snaps,
+    the highest at which any run stays, and the lowest from which all runs snap.
 
     snaps: 1, 0 or NaN, (runs, factors)
+    A highest factor that does not exist is 0, a lowest one inf.
     """
     factors, stays = np.array(FACTORS), snaps == 0
     none = np.logical_and.accumulate(stays.all(axis=0))
@@ -154,7 +155,7 @@ def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
 
 
 def summary(tested: xr.Dataset) -> str:
-    """One line: the share of records that snaps, below which factor none and from which all do."""
+    """Write in a line the share of runs that snap, up to which factor none and from which all."""
     quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
     words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
     if quiet:

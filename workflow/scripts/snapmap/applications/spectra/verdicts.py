@@ -1,4 +1,4 @@
-"""Spectra that must or must not trip a device, held against what it stands."""
+"""Verdicts on required vibration and required shock response spectra."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -22,11 +22,11 @@ def check_vibrations(
     C: Sequence[float],
     temperatures: Sequence[float] = (),
 ) -> list[Verdict]:
-    """Find the level at which each vibration trips a study's devices as likely as it may.
+    """Find the level of each vibration at which a trip is as probable as its requirement allows.
 
-    vibrations: name, psd, duration (s), snaps and probability of each; C: uN us/um
-    temperatures: degC; none: the devices' own
-    N, N_first and N_error of a verdict are levels in g rms, with the wider half of the bounds.
+    vibrations: mappings of name, psd, duration (s), snaps and probability; C: uN us/um
+    temperatures: degC; empty for those of the devices
+    N, N_first, N_error of a verdict are levels in g rms; N_error is the wider half of the bounds.
     """
     verdicts = []
     for required, name, shaken in each_device(study, vibrations, temperatures):
@@ -34,14 +34,14 @@ def check_vibrations(
         reach = 1 - chance if required["snaps"] else chance
         drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": T}
         rates = vibration_of(shaken, {"C": C}, Spectrum(required["psd"]), drawn)
-        shock = {"shape": "random", "direction": "both", "N": rates.rms, "duration": 1e3 * T}
+        place = {"device": name, "temperature": shaken.device.temperature, "shape": "random"}
+        place |= {"direction": "both", "N": rates.rms, "duration": 1e3 * T}
         keys = "snaps", "level_low", "level_high", "level"
         columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            place = {"device": name, "C": damping, "temperature": shaken.device.temperature}
-            place |= shock
-            verdicts.append(_verdict(required, place, snaps > 0, low, high, level, error))
+            bounds = low, high, level, error
+            verdicts.append(_verdict(required, place | {"C": damping}, snaps > 0, *bounds))
     return verdicts
 
 
@@ -52,12 +52,12 @@ def check_spectra(
     temperatures: Sequence[float] = (),
     records: int = SHOCKS,
 ) -> list[Verdict]:
-    """Find the factor of each spectrum from which a record of it snaps a study's devices.
+    """Find the factor of each spectrum from which a record snaps a study's devices.
 
-    spectra: name, srs (pairs of Hz and multiples of g), direction, or several, and snaps of each;
-        where it must snap, the factor is that from which all records do
-    C: uN us/um; temperatures: degC; none: the devices' own
-    N, N_first and N_error of a verdict are factors of the spectrum, with half the step about it.
+    spectra: mappings of name, srs (pairs of Hz and multiples of g), direction (or several), snaps;
+        if a device must snap, the factor is that from which all records snap it
+    C: uN us/um; temperatures: degC; empty for those of the devices
+    N, N_first, N_error of a verdict are factors of the spectrum; N_error is half a step of them.
     """
     verdicts, drawn = [], {"records": records, "seed": SEED}
     for required, name, shaken in each_device(study, spectra, temperatures):
@@ -73,19 +73,17 @@ def _of_spectrum(study, required, name, C, drawn):
         tested = trips_of(study, {"C": C}, check_points(required["srs"]), drawn)
     except ValueError as error:  # a spectrum that no record meets is seen only here
         raise ValueError(f"{required['name']}: {error}") from None
-    shock = {"shape": "spectrum", "direction": study.shocks.direction, "N": 1.0, "duration": np.nan}
+    place = {"device": name, "temperature": study.device.temperature, "shape": "spectrum"}
+    place |= {"direction": study.shocks.direction, "N": 1.0, "duration": np.nan}
     for damping, snaps in zip(C, tested.snaps.values, strict=True):
         low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
-        middle, half = (high + low) / 2, (high - low) / 2
-        trips = snaps[:, FACTORS.index(1.0)] == 1
-        snapped = trips.all() if must else trips.any()
-        level, error = (middle, half) if high < np.inf else (np.nan, np.nan)
-        place = {"device": name, "C": damping, "temperature": study.device.temperature}
-        yield _verdict(required, shock | place, snapped, low, high, level, error)
+        snapped = (np.all if must else np.any)(snaps[:, FACTORS.index(1.0)] == 1)
+        estimate = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
+        yield _verdict(required, place | {"C": damping}, snapped, low, high, *estimate)
 
 
 def _verdict(required, place, snapped, low, high, level, error):
-    """place: of a verdict, shock and corner; low, high: between which the level lies."""
+    """Make a verdict; place: its fields of shock and corner; low, high: bounds of its level."""
     N, must, verdict = place["N"], required["snaps"], UNCLEAR
     if low > N or high < N:
         verdict = MET if (high < N) == must else VIOLATED
@@ -100,6 +98,4 @@ def _verdict(required, place, snapped, low, high, level, error):
         margin=level / N,
         margin_error=error / N,
         verdict=verdict,
-        scale=np.nan,
-        scale_first=np.nan,
     )

@@ -1,4 +1,4 @@
-"""How likely random vibration trips a device, and at which level it does."""
+"""How probably random vibration trips a device, and the level that a device withstands."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -20,20 +20,21 @@ from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
 
 RECORDS, SEED = 16, 1
-"""Records by default, and the seed of their phases."""
+"""Default number of records, and seed of their phases."""
 RUNG = 2**0.25
-"""Between levels that are tried."""
+"""Ratio of neighbouring levels; a level is RUNG to the power of its rung, over the given level."""
 STRIDE, FARTHEST = 4, 60
-"""Rungs between levels at first; and how far from the given one is tried."""
+"""Rungs between the first levels, and the largest number of rungs from the given level."""
 RUNGS = 4
-"""Rungs from the lowest that snaps on to which a rate is fitted: far above it Rice's law ends."""
+"""Number of rungs, from the lowest that snaps, in a fit of rates; Rice's law fails far above it."""
 STEP = 4.0
-"""Over the time steps of a threshold: what a record needs, as docs/applications/spectra.md says."""
+"""Time step for a record over that for a threshold: docs/applications/spectra.md gives reasons."""
 PIECES = 2_000_000
-"""Of records that are followed at a time; 96 MB."""
+"""Pieces of the records that are followed at a time, 96 MB."""
 NORMAL = 1.959964
-"""Standard deviations within which a normal number is at 95 %."""
+"""Standard deviations on either side of the mean that hold 95 % of normal numbers."""
 ENOUGH = 1e-12
+"""Least determinant of a fit, relative, at which its slope is determined."""
 
 
 class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
@@ -87,7 +88,7 @@ def vibration_of(
 ) -> xr.Dataset:
     """Find the rate and the level of a study's devices, as `vibration` returns them.
 
-    study: whose pulse is of no account
+    study: its pulse does not matter
     axes: values of the device, and C; drawn: duration, records, seed and reach
     """
     study = replace(study, shocks=HANDOUT_SHOCK)
@@ -101,7 +102,7 @@ def vibration_of(
     together = max(1, PIECES // len(first.pieces))
 
     def follow(which, level):
-        """How many records snap at a level, and fail, and the time, s, of rows, (3, rows)."""
+        """Numbers of records that snap and fail, and time followed, s, by row, (3, rows)."""
         counts = np.zeros((3, which.size))
         for begin in range(0, records, together):
             numbers = range(begin, min(begin + together, records))
@@ -130,10 +131,12 @@ def vibration_of(
 
 
 def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:
-    """Count snaps at rungs about the given level, 0: by STRIDE from none that snaps to all.
+    """Count snaps at rungs around the given level, rung 0, from where none snaps to where all do.
 
-    follow: of indices of rows and a level: snaps, failed, time; exists: rows that have a device
-    A rung holds NaN for rows that were not followed there.
+    follow: a function of row numbers and a level that returns snaps, failed and time, (3, rows)
+    exists: rows that have a device
+    Returns the same by rung, every one near the lowest snap, else every STRIDE-th; NaN for rows
+    not followed there.
     """
     ladder = {}
 
@@ -159,19 +162,19 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
 
 
 def _counts(ladder, row):
-    """Snaps and time by rung of a row, ascending, where a run did not fail."""
+    """Snaps and time of a row by rung, ascending, at rungs where runs did not all fail."""
     return {rung: ladder[rung][::2, row] for rung in sorted(ladder) if ladder[rung][2, row] > 0}
 
 
 def _last_quiet(ladder, row):
-    """The highest rung so far below which no record snaps, or the lowest; 0 if all fail."""
+    """The highest rung below all snaps so far, or else the lowest rung; 0 if all runs failed."""
     counts = _counts(ladder, row)
     first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), math.inf)
     return max((rung for rung in counts if rung < first), default=min(counts, default=0))
 
 
 def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
-    """Level over the given one at which the rate is `needed`, 1/s, and its bounds."""
+    """Find the level over the given one at which the rate is `needed`, 1/s, and its bounds."""
     counts = _counts(ladder, row)
     first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), None)
     if first is None:
@@ -187,10 +190,11 @@ def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[f
 
 
 def fit_rates(x: Sequence[float], counts: Sequence[float], times: Sequence[float]):
-    """Fit Rice's law ln(rate) = a - b x, x one over the square of the level, to counts in times.
+    """Fit Rice's law ln(rate) = a - b x to counts in times, by maximum Poisson likelihood.
 
-    By greatest likelihood of Poisson's distribution. Returns a, b, and a function of x that gives
-    the variance of a - b x; that grows with what the law leaves unexplained.
+    x: 1/level^2
+    Returns a, b, and a function of x that gives the variance of a - b x, raised by the scatter of
+    the counts about the law. If the counts do not determine b, it is 0 and the variance inf.
     """
     a, b = math.log(sum(counts) / sum(times)), 0.0
     for _ in range(100):

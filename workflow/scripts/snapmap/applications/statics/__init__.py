@@ -6,7 +6,7 @@ part = "7 Device"
 
 
 def outputs(study):
-    """A file for each device, of several with its name; of none that a user's own laws move."""
+    """A file for each device, with its name if several; none if a user's own law moves the beam."""
     from ...solver.laws import laws_of
 
     laws = laws_of(study.model)

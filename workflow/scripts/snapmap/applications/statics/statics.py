@@ -22,10 +22,10 @@ from ...study.variables import dress
 from .. import merge
 
 POINTS = 400
-"""On each of the parts of a path."""
+"""Number of points on each of the three parts of a path."""
 PATH = "displacement", "force", "energy"
 LEAST_LOG = -32.0
-"""Of x in `_tilted`: no imperfection is so small that N comes nearer to the load."""
+"""Least ln x in `_tilted`; no imperfection is so small that N comes nearer to the load."""
 
 
 def statics(device: arguments.SingleDevice) -> xr.Dataset:
@@ -53,7 +53,7 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
     symmetric = _every_second(modes) if device.beam.free else modes
     branches, w = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
     if device.beam.free:
-        # With an imperfection the path bends sharply at the corners of this.
+        # With an imperfection the path bends sharply at both ends of the straight part.
         first, last = w[POINTS], w[2 * POINTS - 1]
         share = (1 - np.cos(np.linspace(0, np.pi, POINTS))) / 2
         w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
@@ -76,11 +76,12 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
 
 
 def _symmetric_paths(beam, modes, tilts):
-    """Branches of a beam that moves symmetrically, and displacements on one up to N = `tilts`."""
+    """Branches of a beam that moves symmetrically, and the displacements of a path on which the
+    axial force rises to `tilts` at most."""
     if beam.cosines[1::2].any():
         turn = largest_force(modes, partial(push, modes), modes.buckling[1, 0])
         return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
-    # The even shapes move no midpoint and are in no start: the second enters by bifurcation.
+    # The even modes neither move the midpoint nor are in the start: the second mode bifurcates.
     odd = _every_second(modes)
     turn = largest_force(odd, partial(push, odd), odd.buckling[1, 0])
     guided = _path(odd, min(turn, modes.buckling[1, 0]))
@@ -93,9 +94,10 @@ def _every_second(modes):
 
 
 def _tilted(modes, w):
-    """Force and energy of a free beam whose midpoint is held at displacements, um.
+    """Force and energy of a free beam whose midpoint is held at displacements w, um.
 
-    Below the first load that tilts it the held beam is stable at one N alone; x = 1 - N/N_tilt.
+    A held beam is stable at a single axial force N below the first load N_tilt that tilts it;
+    x = 1 - N/N_tilt.
     """
     from scipy.optimize.elementwise import find_root  # half a second, for which nobody else waits
 
@@ -116,13 +118,13 @@ def _tilted(modes, w):
 
 
 def _energy(modes, N, c, free, force):
-    """Energy of the beam, pJ; free: the square of a mode's amplitude at its own load N."""
+    """Energy of the beam, pJ; free: squared amplitude of the mode that buckles at the load N."""
     bent = np.sum(modes.buckling * c**2, axis=0) + N * free + modes.residual * force**2
     return bent / 2 + N**2 / (4 * modes.axial)
 
 
 def _path(modes, turn):
-    """Displacement, force and energy: N from 0 to `turn`, straight there, and back to 0."""
+    """Displacement, force and energy while N rises from 0 to `turn`, stays there, and returns."""
     N = turn * (1 - np.linspace(1, 0, POINTS) ** 2)
     lower, upper = roots(modes, N, *push(modes, N))
     # Crossing the first buckling load, the two roots change places.
@@ -132,6 +134,6 @@ def _path(modes, turn):
     N = np.concatenate([N, np.full(POINTS, turn), N[::-1]])
     constant, slope = push(modes, N)
     c = constant + slope * force
-    # At `turn` the stretch that the odd modes leave open is the second mode's.
+    # At `turn` the second mode takes the stretch that the odd modes leave.
     free = np.maximum(0.0, -N / modes.axial - np.sum(c * (c + 2 * modes.start), axis=0))
     return displacement(modes, c) + modes.residual * force, force, _energy(modes, N, c, free, force)

@@ -9,7 +9,7 @@ def threads(cores):
 
 
 def outputs(study):
-    """The largest stress of all cells, of a study in which a device has a strength."""
+    """The largest stress of each cell, if a device of the study has a strength."""
     return {"stress": "results/stress.nc"} if study.has_strength else {}
 
 
@@ -29,6 +29,6 @@ def run(study, cube_path, path):
     from .stress import stress_of_cube
 
     with open_whole(cube_path) as cube:
-        made = stress_of_cube(study, cube)
-        shares = f"{made.stress_max.size} of {cube.outcome.size} cells"
-    write_product(made, path, lambda _: f"{shares} followed for the largest stress")
+        stress = stress_of_cube(study, cube)
+        shares = f"{stress.stress_max.size} of {cube.outcome.size} cells"
+    write_product(stress, path, lambda _: f"{shares} followed for the largest stress")

@@ -14,15 +14,15 @@ from ...study.variables import dress
 from ...sweeps.cube import thin
 
 STRETCH = 800
-"""Cells are followed for so many steps at a time, up to their end or beyond."""
+"""Number of steps for which cells are followed at a time, up to their end or beyond it."""
 
 
 def stress_of_cube(study: Study, cube: xr.Dataset) -> xr.Dataset:
     """Follow the cells of a study's cube again, at its steps, for the largest stress.
 
-    A cell of `auto` is followed by the level that decided it, and a cell of `reference` by the same
-    elements in their modes.
-    Returns stress_max, (*axes), NaN where there is no device, and the strength of the devices, MPa.
+    The level of `auto` that decided a cell follows it; modes of the same elements follow a cell of
+    `reference`.
+    Returns `stress_max`, (*axes), NaN where there is no device, and `strength` of the devices; MPa.
     """
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
     axes = {key: cube[key].values for key in cube.outcome.dims}
@@ -47,10 +47,10 @@ def stress_of_cube(study: Study, cube: xr.Dataset) -> xr.Dataset:
 
 
 def _window(device, cube, cells, settings):
-    """How long each cell is followed, us."""
-    # ASSUME: a settled cell is followed for one swing of the mass beyond its proof, the others to
-    # the horizon, as what follows there is open, or to the snap where the sweep ended there: its
-    # step need not be fine enough for what comes after.
+    """The time for which each cell is followed, us, (cells,)."""
+    # ASSUME: one swing of the mass beyond the proof has the largest stress of a settled cell. The
+    # others are followed to the horizon, or to a snap that ended them in the sweep: their step may
+    # be too coarse for the motion after it.
     swing = 2 * np.pi / device.own_frequency[cells.device]
     settled, snap = cube.t_settled.values.ravel(), cube.t_snap.values.ravel()
     ended = np.fmin(cells.t_end, snap) if settings.until == "snap" else cells.t_end

@@ -9,7 +9,7 @@ AXES = "C", "f0", "N", "temperature"
 
 
 def section():
-    """What scatters."""
+    """The values that scatter, and the number of samples."""
     from ...config.keys import part
     from .sections import TolerancesSection
 
@@ -24,7 +24,7 @@ def described():
 
 
 def request(section, study, document):
-    """What scatters, which every device can have."""
+    """The `Tolerances`, or None; ValueError, one line, if a device cannot have them."""
     from ...device.samples import Plan
 
     if not section:
@@ -36,7 +36,7 @@ def request(section, study, document):
 
 
 def doubts(study):
-    """Lines on scatters that are hardly meant."""
+    """Lines about scatters that are probably mistakes."""
     from ...config.plausible import wide
     from ...device.samples import Plan
 
@@ -47,7 +47,7 @@ def doubts(study):
 
 
 def cost(study):
-    """Core time in which they are found, s, about."""
+    """Approximate core time to find the devices as made, s."""
     from .forecast import made_seconds
 
     plan = study.requests["tolerances"]
@@ -60,7 +60,7 @@ def outputs(study):
 
 
 def params(study):
-    """Axes, what scatters, required shocks, and what the yield leaves out."""
+    """Axes, tolerances, required shocks, and what the yield leaves out."""
     return {
         "axes": [study.axes[key].tolist() for key in AXES if key in study.axes],
         "tolerances": study.requests["tolerances"]._asdict(),
@@ -97,7 +97,7 @@ def figures(study):
 
 
 def draw(figures, folder, tolerance_path):
-    """Draw how probably devices snap, on what that depends, and the yield."""
+    """Draw the probability of a snap, the sensitivity of thresholds, and the yield."""
     from ...study.netcdf import open_whole
     from .figure import draw_stem
 

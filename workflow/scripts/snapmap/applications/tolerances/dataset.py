@@ -26,7 +26,7 @@ from .statistics import count_below, moments, quantile_bounds, quantiles
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101
-"""Values of N, by default from the lowest to the highest threshold."""
+"""Default number of values of N, from the lowest to the highest threshold."""
 
 BOUND = ("low", "high")
 
@@ -88,12 +88,13 @@ def tolerances_of(
 ) -> xr.Dataset:
     """Find the thresholds of a study's devices as made, as `tolerance` returns them.
 
-    axes: C, f0 and, unless it is to be chosen, N; and temperature, degC, at each point of which
-        requirements must be met; by default the device's own
+    axes: C, f0 and optionally N, else chosen, and temperature, degC, at each point of which a
+        device must meet the requirements; by default that of the device
     """
     samples, most = tolerances.samples, tolerances.index_samples
     if (most or 0) > samples:
-        raise ValueError(f"index_samples: {most} is more than samples, {samples}")
+        line = f"index_samples: {most} is more than samples, {samples}; write that or less"
+        raise ValueError(line)
     parts = [
         _of_device(replace(study, device=device), axes, tolerances, requirements, tolerance)
         for device in study.devices().values()
@@ -108,13 +109,13 @@ def tolerances_of(
             data[f"{key}_factor"].attrs = attributes
     document = study.document(THRESHOLD_SETTINGS)
     document["tolerances"] = tolerances.section
-    made = dress("tolerance", data, document, threshold_tolerance=tolerance)
+    dataset = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:
         nominal = [device.temperature for device in study.devices().values()]
         degrees = axes.get("temperature", nominal)
         ends = dict.fromkeys([plain(min(degrees)), plain(max(degrees))])
-        made["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
-    return made
+        dataset["yield"].attrs["temperatures"] = f"{' to '.join(ends)} degC"
+    return dataset
 
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
@@ -161,12 +162,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     }
     named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
     named |= {"order": ["first", "total"], "value": plan.names}
-    if (N := axes.get("N")) is None:
-        known = first[np.isfinite(first)]
-        ends = (known.min(), known.max()) if known.size else (1.0, 2.0)
-        below = geometric(*ends, AMPLITUDES)[:-1] if ends[0] < ends[1] else []
-        N = np.append(below, ends[1])  # to its last digit
-    N, along = np.unique(np.asarray(N, float)), (*groups, "N")
+    N, along = _amplitudes(axes.get("N"), first), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
         size = tolerances.followed(nominal.size * N.size)
@@ -174,15 +170,25 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         data |= _share("latched", count, size, along)
     if requirements:
         named["requirement"] = [required["name"] for required in requirements]
-        batches, values = [batch], batch.values
+        batches = [batch]
         if "temperature" in axes:
-            batches = []
-            for degrees in axes["temperature"]:
-                at = values | {"temperature": np.full(samples, degrees)}
-                tempered = device.at(degrees)
-                batches.append(Batch(tempered, at, study.model, choices, settings.start))
+            tempered = [
+                (device.at(degrees), batch.values | {"temperature": np.full(samples, degrees)})
+                for degrees in axes["temperature"]
+            ]
+            batches = [Batch(*pair, study.model, choices, settings.start) for pair in tempered]
         data |= _requirements(batches, study, requirements, C, tolerance)
     return xr.Dataset(data, groups | {"N": N} | named)
+
+
+def _amplitudes(N, first):
+    """The values of N, ascending; without any, the range of the thresholds of samples."""
+    if N is not None:
+        return np.unique(np.asarray(N, float))
+    known = first[np.isfinite(first)]
+    low, high = (known.min(), known.max()) if known.size else (1.0, 2.0)
+    below = geometric(low, high, AMPLITUDES)[:-1] if low < high else []
+    return np.append(below, high)  # `geometric` may round the last digit of the end
 
 
 def _share(name, count, size, dims):
@@ -194,20 +200,21 @@ def _share(name, count, size, dims):
 def _requirements(batches, study, requirements, C, tolerance):
     """Thresholds of the required pulses, and the shares that meet each requirement, and all.
 
-    batches: the same samples at each temperature; a requirement holds at all of them, under all its
-        shocks, and its threshold is that on the worst side
+    batches: the same samples at each temperature
+    A sample must meet a requirement at all temperatures and under all its shocks; the threshold is
+    the worst of them.
     """
     first, meets = [], []
     for required in requirements:
-        settings, levels, good = of_requirement(study, required).settings, [], []
+        settings, levels, met = of_requirement(study, required).settings, [], []
         for batch, shocks in product(batches, required["shocks"].each()):
             rows = to_rows(0, required["f0"], C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
-            good.append(batch.meets(required, rows, settings))
-        # NaN, where nothing snaps, stands for more than any N.
+            met.append(batch.meets(required, rows, settings))
+        # NaN, where nothing snaps, is above every N.
         worst = np.maximum if SNAPS[required["snaps"]] == SNAPS[True] else np.fmin
         first.append(worst.reduce(levels))
-        meets.append(np.all(good, axis=0))
+        meets.append(np.all(met, axis=0))
     meets, along = np.array(meets), ("requirement", "C")
     N, f0 = ([required[key] for required in requirements] for key in ("N", "f0"))
     must = [SNAPS[required["snaps"]] for required in requirements]
@@ -218,7 +225,7 @@ def _requirements(batches, study, requirements, C, tolerance):
         "must_snap": ("requirement", np.array(must, np.int8)),
     }
     data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
-    good = meets.all(axis=0).astype(float)
+    weight = meets.all(axis=0).astype(float)  # probability that a sample meets all
     if study.device.strength < np.inf and all(batch.size for batch in batches):
         largest = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
         followed = np.flatnonzero(np.isfinite(largest).all(axis=(0, 2)))
@@ -228,13 +235,16 @@ def _requirements(batches, study, requirements, C, tolerance):
         data |= _share("share_breaking", broken, followed.size, along)
         survives = [bool(required.get("survives", True)) for required in requirements]
         most = stress[survives].max(axis=0, initial=0.0)
-        good[followed] *= 1 - break_probability(study.device, most)
-        good = good[: followed.max(initial=-1) + 1]
-    return data | _share("yield", good.sum(axis=0), len(good), ("C",))
+        weight[followed] *= 1 - break_probability(study.device, most)
+        weight = weight[: followed.max(initial=-1) + 1]
+    return data | _share("yield", weight.sum(axis=0), len(weight), ("C",))
 
 
 def _stresses(batch, study, requirements, C):
-    """The largest under the shocks of each requirement, (requirements, samples, C), MPa, or NaN."""
+    """The largest stress under each requirement, MPa, (requirements, samples, C).
+
+    It is NaN for samples that are not followed.
+    """
     singles = [
         required | {"shocks": shocks}
         for required in requirements
@@ -251,14 +261,14 @@ def _stresses(batch, study, requirements, C):
 
 
 def summary(tolerance: xr.Dataset) -> str:
-    """One line: how many samples there are, how far thresholds scatter, what owes it, the yield."""
+    """Write in a line the number of samples, the scatter of thresholds and its cause, the yield."""
     size, missing = tolerance.bistable.size, int((tolerance.bistable == 0).sum())
     spread = (tolerance.N_std / tolerance.N_mean).values
     spread = spread[np.isfinite(spread)]
     words = [f"{size} samples", f"{missing} without a second stable shape"]
     if spread.size:
         words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
-    # What thresholds owe most of their variance to; where that differs, of each named pulse.
+    # The value with the largest total index, for each pulse if pulses differ in it.
     total = tolerance.sensitivity.sel(order="total")
     named = [dim for dim in NAMES if dim in total.dims]
     total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])

@@ -1,4 +1,4 @@
-"""Devices as made: how probably one snaps, and which value that depends on."""
+"""Figures of devices as made: probability of a snap, sensitivity of thresholds, and yield."""
 
 import textwrap
 from collections.abc import Iterator, Mapping
@@ -26,30 +26,30 @@ from ...study.study import ANY, SNAPS
 from ..requirements.figure import required_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
-"""Of the shares of devices that snap."""
+"""Dashes of the lines at which these shares of devices snap."""
 SNAP = {"-": "half of the devices snap", "--": "10 and 90 % snap", ":": "1 and 99 % snap"}
 NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
 STAYING = {0.5: "white", 0.99: LATCHED}
-"""Colour of the markers of the lowest N above which so large a share stays in the second shape."""
+"""Colours of markers, by the share that stays in the second shape at this N and all above."""
 FIELD = {"cmap": "Greys", "vmin": 0, "vmax": 3, "edgecolors": "face", "rasterized": True}
-"""Of shares; the darkest grey is one that lines are read on."""
+"""Look of the field of shares; lines are readable on its darkest grey."""
 FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "markersize": 2.5}
-"""Of indices of first order, beside the solid ones of all."""
+"""Look of first-order indices; total indices are solid."""
 NAME = 24
-"""Signs in a line of a requirement's name beside its shares."""
+"""Characters in a line of a requirement's name beside its shares."""
 ROOM = 0.05
-"""Beyond what is drawn, as a share of it."""
+"""Margin of an axis over the range of its data."""
 FAILS = {"color": "0.9", "linewidth": 0, "label": "the requirement fails"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
-"""Panels of devices as made side by side, and in a figure, and lines; of more, evenly chosen."""
+"""Most panels side by side, panels in a figure, and lines; of more, some are evenly chosen."""
 ROW, FLAT = 2.6, 1.7
-"""Height of a row of these panels, in; and of histograms."""
+"""Height of a row of panels, and of histograms, in."""
 
 
 def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> None:
-    """Draw probability, sensitivity or yield, by how the name of the file begins, and save it."""
+    """Draw and save probability, sensitivity or yield; the name of the file begins with it."""
     name = Path(stem).name
     if not name.startswith("yield"):
         draw = draw_probability if name.startswith("probability") else draw_sensitivity
@@ -66,7 +66,7 @@ def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> Non
 
 
 def _draw_panels(stem, panels, draw, attributes, shares=None):
-    """Panels under one legend; above them the shares that meet requirements, if these are given."""
+    """Draw panels, above them the yield if `shares` is not None, and their legend; save them."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
@@ -146,22 +146,22 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
 
 
 def words_of(value: str) -> str:
-    """Name what a draw moves: `thickness and depth`."""
+    """Write the values that a draw changes: `thickness and depth`."""
     of_shock = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
     return " and ".join(of_shock.get(key) or WORDS[key][0] for key in value.split("+"))
 
 
 def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
-    """How many devices were drawn, and by which model."""
+    """Write the number of devices and the model."""
     missing = int((data.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
     return f"{data.bistable.size} devices{lost}; {style.case(attributes)}"
 
 
 def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the thresholds of the devices under one required pulse, and what meets it.
+    """Draw the thresholds of the devices under one required pulse; the shade is where it fails.
 
-    data: of one requirement and C; shaded is where it fails
+    data: of one requirement and C
     """
     N_first, N = data.N_first_required.values, data.N_required.item()
     must = data.must_snap.item()
@@ -185,7 +185,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
 
 
 def each_share(data: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArray]]:
-    """Name, share and bounds of each requirement, of beams that it leaves unbroken, and of all."""
+    """Yield name, share and bounds of each requirement, of its unbroken beams, and of all."""
     for name in data.requirement.values.tolist():
         required = data.sel(requirement=name)
         if required.must_snap != SNAPS[ANY]:
@@ -197,7 +197,7 @@ def each_share(data: xr.Dataset) -> Iterator[tuple[str, xr.DataArray, xr.DataArr
 
 
 def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the shares of devices that meet each requirement, and all of them, with their bounds.
+    """Draw the shares of devices that meet each requirement, and all of them, with bounds.
 
     data: over requirements and C
     """

@@ -1,4 +1,4 @@
-"""How long devices as made will take."""
+"""A forecast of the core time of devices as made."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,7 @@ from ...study.study import Study, of_requirement
 from ...thresholds.cost import run_seconds
 
 PER_ROW, PER_SAMPLE = 3000, 3
-"""Runs that show where devices as made have thresholds, and runs that find each, about."""
+"""Approximate numbers of runs: to bracket the thresholds of a row, and to find that of a sample."""
 
 
 def made_seconds(
@@ -22,7 +22,7 @@ def made_seconds(
     tolerances: Tolerances,
     requirements: Sequence[Mapping] = (),
 ) -> float:
-    """Core time in which `tolerances_of` finds the devices as made, s, about."""
+    """Forecast the core time of `tolerances_of`, s."""
     pulse = np.arange(len(study.shocks.pulses))[:, np.newaxis, np.newaxis]
     rows = to_rows(0, axes["f0"], axes["C"][:, np.newaxis], pulse, study.shocks.pulses)
     every = tolerances.samples + tolerances.power * (1 + len(tolerances.scatters))

@@ -20,7 +20,7 @@ _DRAWN = Tolerances._field_defaults
 
 
 def _scatter(name, kind, example=""):
-    """A width, or a mapping of its kind to one; a share stays text."""
+    """Make the type of a width, or a mapping of a kind to its width; a share stays text."""
 
     def width(value):
         if isinstance(value, str) and value.strip().endswith("%"):
@@ -70,11 +70,11 @@ class TolerancesSection(of_device(_scatter, OF_DEVICE)):
     seed: argument(arguments.Seed, "seed of the random devices", out=f"`{_DRAWN['seed']}`")
 
     def make(self) -> Tolerances:
-        """What scatters."""
+        """Make the Tolerances; ValueError, one line, for more samples of indices than of all."""
         options = {name: self.given[name] for name in Tolerances._fields if self.has(name)}
         scatters = {name: width for name, width in self.given.items() if name not in options}
-        made = Tolerances(scatters, **options)
-        if (made.index_samples or 0) > made.samples:
-            most = f"is more than samples, {made.samples}"
-            raise ValueError(f".index_samples: {made.index_samples} {most}")
-        return made
+        tolerances = Tolerances(scatters, **options)
+        if (tolerances.index_samples or 0) > tolerances.samples:
+            most = f"is more than samples, {tolerances.samples}; write that or less"
+            raise ValueError(f".index_samples: {tolerances.index_samples} {most}")
+        return tolerances

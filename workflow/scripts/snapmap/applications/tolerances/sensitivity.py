@@ -1,33 +1,34 @@
-"""Which value the threshold owes its scatter to: Sobol's indices."""
+"""Sobol's indices: shares of the variance of thresholds that values cause."""
 
 from functools import lru_cache
 
 import numpy as np
 
 RESAMPLES = 100
-"""For the confidence intervals."""
+"""Number of bootstrap resamples for the confidence intervals."""
 ENDS = (0.025, 0.975)
-"""Shares of the resamples below the ends of an interval at 95 %."""
+"""Quantiles of the resamples at the ends of an interval at 95 %."""
 FEWEST = 16
-"""Samples; of fewer, nothing is said."""
+"""Least number of samples for indices."""
 DECIMALS = 6
 
 
 def crossed(points: np.ndarray) -> np.ndarray:
-    """The first set of points, but each draw in turn from the second: (draws, samples, draws).
+    """Return copies of the first set of points, each with another draw from the second set.
 
-    points: (2, samples, draws)
+    points: (2, samples, draws); returns (draws, samples, draws)
     """
     first, second = points
     return np.where(np.eye(first.shape[1], dtype=bool)[:, np.newaxis], second, first)
 
 
 def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: int) -> np.ndarray:
-    """First-order and total indices with the ends of their intervals, (2, 3, draws, outputs).
+    """Estimate first-order and total indices by Saltelli et al. (2010), (2, 3, draws, outputs).
 
-    first, second: values at two sets of points, (samples, outputs); crossed: at those of `crossed`,
-        (draws, samples, outputs); samples without a value in any of them are left out
-    Saltelli et al. (2010); NaN where there are fewer than FEWEST samples, or nothing scatters.
+    first, second: values at two sets of points, (samples, outputs)
+    crossed: values at the points of `crossed`, (draws, samples, outputs)
+    The second axis holds an index and the ends of its interval. Samples with a NaN are left out.
+    The indices are NaN with fewer than FEWEST samples, or if nothing scatters.
     """
     draws, _, outputs = crossed.shape
     result = np.full((2, 3, draws, outputs), np.nan)
@@ -48,14 +49,14 @@ def indices(first: np.ndarray, second: np.ndarray, crossed: np.ndarray, seed: in
 
 @lru_cache(maxsize=1)
 def _weights(size, seed):
-    """How much samples count, (size, 1 + RESAMPLES): all alike first, then as often as drawn."""
+    """Weights of samples, (size, 1 + RESAMPLES): equal ones, then those of each resample."""
     even = np.full(size, 1 / size)
     drawn = np.random.default_rng(seed).multinomial(size, even, RESAMPLES)
     return np.column_stack([even, *drawn / size])
 
 
 def _both_orders(first, second, crossed, weights):
-    """First-order and total indices, (2, draws, sets), by sets of weights of samples, (n, sets)."""
+    """First-order and total indices, (2, draws, sets), for weights of n samples, (n, sets)."""
     mean = first.mean()
     first, second, crossed = first - mean, second - mean, crossed - mean
     apart, middle = crossed - first, (first + second) @ weights / 2

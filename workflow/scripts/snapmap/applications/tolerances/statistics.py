@@ -1,4 +1,4 @@
-"""Counts, quantiles and moments over samples in front; the same everywhere."""
+"""Counts, quantiles and moments over the first axis, the samples; the same on every machine."""
 
 import math
 
@@ -6,23 +6,23 @@ import numpy as np
 
 
 def count_below(N_first: np.ndarray, N: np.ndarray) -> np.ndarray:
-    """How many of the samples, (samples, ...), are not above each N; (..., N). NaN is above all."""
+    """Count the samples, (samples, ...), that are not above each N, (..., N); NaN is above all."""
     ordered = np.moveaxis(np.sort(N_first, axis=0), 0, -1)
     counts = [np.searchsorted(row, N, side="right") for row in ordered.reshape(-1, len(N_first))]
     return np.reshape(counts, (*N_first.shape[1:], len(N)))
 
 
 def quantiles(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """N at which so large a share of the samples snaps, (shares, ...); NaN where it is less."""
+    """Find the N at which each share of the samples snaps, (shares, ...); NaN if fewer do."""
     ordered = np.sort(N_first, axis=0)
     places = np.ceil(np.asarray(shares) * len(N_first) - 1e-9).astype(int) - 1
     return ordered[np.maximum(places, 0)]
 
 
 def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Lower and upper bounds of `quantiles`, (2, shares, ...), each alone at 95 %.
+    """Bound `quantiles` from below and above, (2, shares, ...), each bound alone at 95 %.
 
-    By order statistics, whatever the distribution; NaN where there are too few samples for one.
+    Order statistics give bounds for any distribution; NaN if there are too few samples.
     """
     from scipy.stats import binom  # half a second, for which no config that is read has to wait
 
@@ -34,7 +34,7 @@ def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
 
 
 def moments(N_first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and standard deviation of what is not NaN among the samples, (...)."""
+    """Return mean and standard deviation of the samples that are not NaN, (...)."""
     mean, std = np.full((2, *N_first.shape[1:]), np.nan)
     for place in np.ndindex(mean.shape):
         values = N_first[(slice(None), *place)]

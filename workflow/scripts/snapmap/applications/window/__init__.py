@@ -1,4 +1,4 @@
-"""Where on two axes required shocks are met.  Imports: requirements."""
+"""The region of two axes where required shocks are met.  Imports: requirements."""
 
 from ..requirements import plain_shocks, shocks_of
 
@@ -7,14 +7,14 @@ part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
 
 
 def design_axes(study):
-    """Values on the axes that a design chooses."""
+    """The axes of a study that a design chooses, with their values."""
     from ...config.study import DESIGN
 
     return {key: values for key, values in study.axes.items() if key in DESIGN}
 
 
 def choose_axes(study):
-    """Choose the axes over which requirements are drawn: two of the device and C, or none."""
+    """Choose the axes of the window: the two design axes of several values, or none."""
     from ...study.axes import DEVICE
 
     several = {key: values for key, values in study.axes.items() if values.size > 1}
@@ -23,13 +23,13 @@ def choose_axes(study):
 
 
 def outputs(study):
-    """The window, of a study with required shocks and two axes of device and damper."""
+    """The window, if the study has required shocks and two design axes."""
     is_drawn = shocks_of(study) and choose_axes(study)
     return {"window": "results/window.nc"} if is_drawn else {}
 
 
 def params(study):
-    """The axes, required shocks, and what scatters."""
+    """The axes, required shocks, and the section `tolerances`."""
     tolerances = study.requests.get("tolerances")
     return {
         "axes": {key: values.tolist() for key, values in design_axes(study).items()},
@@ -39,7 +39,7 @@ def params(study):
 
 
 def run(study, path):
-    """Find where required shocks are met, and by which share of devices."""
+    """Find where required shocks are met, and which share of devices meets them."""
     from ...study.netcdf import write_product
     from .window import summary, window_of
 

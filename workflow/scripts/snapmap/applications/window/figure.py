@@ -1,4 +1,4 @@
-"""Where over two axes required shocks are met."""
+"""A figure of the region of two axes where required shocks are met."""
 
 import textwrap
 from itertools import cycle
@@ -24,15 +24,15 @@ BEGINS_TO_FAIL = [withTickedStroke(angle=-90, length=0.6, spacing=6)]
 POINTS = {"color": "0.3", "linestyle": "", "marker": ".", "markersize": 1.5, "clip_on": False}
 POINTS["label"] = "points that were computed"
 MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
-"""Level lines of factors by which an N may change, and of shares of devices."""
+"""Level lines of the smallest safety factor, and of shares of devices."""
 
 
 def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
-    """Draw over two axes where all requirements are met: margins, yield and stress, if known.
+    """Draw margins over two axes, and yield and stress if known, with the region that meets all.
 
-    data: as from `window.window_of`; units: in which the axes are drawn, if not internal ones
-    Lines are where a requirement begins to fail, with ticks on that side. Between points all is
-    straight along either axis.
+    data: as `window_of` returns it; units: of the axes, if not internal
+    A requirement begins to fail at its line, on the side of the ticks. Values between points are
+    bilinear.
     """
     data = data.squeeze([key for key in data.reserve.dims[1:] if key not in (x, y)])
     data = data.transpose("requirement", ..., y, x)
@@ -66,7 +66,7 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
 
 
 def _open_window(ax, data, x, y, units):
-    """Open a plane as `plane.open_plane` does, in other units, up to the outermost points."""
+    """Open a plane with its axes in other units, up to the outermost points."""
     across = plane.open_plane(ax, data, x, y)
     for which, scale in zip("xy", across, strict=True):
         unit, _ = units.get(scale.key, ("", 1.0))
@@ -78,7 +78,7 @@ def _open_window(ax, data, x, y, units):
 
 
 def _fill_window(ax, grid, reserve, least):
-    """Fill what is met and what is not, up to the lines; what is neither stays hatched."""
+    """Fill the regions that meet all requirements and that do not; unknown regions are hatched."""
     if np.isnan(least).any():
         ax.patch.set(**plane.ABSENT)
     ax.contourf(*grid, least, [0, FAR], colors=[MEETING["color"]])
@@ -88,19 +88,19 @@ def _fill_window(ax, grid, reserve, least):
 
 
 def _level_lines(ax, grid, field, levels, **look):
-    """Contours at those levels that a field has, if it has any."""
+    """Yield the contours at the levels within a field's range, if there are any."""
     low, high = _ends(field)
     if within := [level for level in levels if low < level < high]:
         yield ax.contour(*grid, field, within, **look)
 
 
 def _ends(field):
-    """The least and the largest that is known."""
+    """The least and the largest known value."""
     return np.nanmin(field, initial=np.inf), np.nanmax(field, initial=-np.inf)
 
 
 def _window_keys(data, reserve, least):
-    """Keys of what a window shows: of requirements that begin to fail in it, and of colours."""
+    """Keys of the requirements that begin to fail in the window, and of its colours."""
     known = least[np.isfinite(least)]
     looks = cycle(LOOKS)
     for field, must, (colour, _) in zip(reserve, data.must_snap, looks, strict=False):
@@ -117,7 +117,7 @@ def _window_keys(data, reserve, least):
 
 
 def _about(data, reserve):
-    """What a window holds for, which requirements never end it, and how sure it is."""
+    """The conditions of a window, requirements without a line in it, and error bars."""
     bar, off = (data.N_error / data.N_first).max(), data.reserve.attrs["off_between_points"]
     sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
     if "yield" in data:

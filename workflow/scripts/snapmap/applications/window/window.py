@@ -1,4 +1,4 @@
-"""Where on the axes of device and damper requirements are met, by how much, and the yield."""
+"""Reserves of required shocks over axes of device and damper, and the yield."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -27,15 +27,14 @@ def window_of(
     requirements: Sequence[Mapping],
     tolerances: Tolerances | None = None,
 ) -> xr.Dataset:
-    """Find the thresholds of required shocks over axes, and how far each N is on its right side.
+    """Find the thresholds and reserves of required shocks over axes.
 
     axes: values of the device, internal units, and C, uN us/um; of several temperatures, which no
-        design chooses, each requirement has the one that leaves it least
-    requirements: name, shocks, N, f0 (Hz), snaps, survives of each, which holds under all its
-        shocks: the variables are those of the worst
-    Variables: N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes); of
-    devices with a strength stress_max, MPa; with tolerances yield, (*axes), with its bounds, of
-    those that meet all at each temperature.
+        design chooses, the worst counts for each requirement
+    requirements: mappings of name, shocks, N, f0 (Hz), snaps, survives; the worst shock counts
+    Variables are N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes);
+    with a strength stress_max, MPa, too; with tolerances yield, (*axes), and its bounds: the share
+    of devices that meet all requirements at all temperatures.
     """
     windows, thresholds = [], {}
     for required in requirements:
@@ -52,7 +51,7 @@ def window_of(
     names = [required["name"] for required in requirements]
     window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
-        count = _good(study, axes, requirements, tolerances)
+        count = _count_meeting(study, axes, requirements, tolerances)
         window["yield"] = design, count / tolerances.samples
         window["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
         window = window.assign_coords(bound=["low", "high"])
@@ -63,19 +62,19 @@ def window_of(
 
 
 def _varies(axes):
-    """Whether there are several temperatures."""
+    """Whether the axes have several temperatures."""
     return len(axes.get(TEMPERATURE, ())) > 1
 
 
 def _off_between(reserve):
-    """How far reserves may lie from straight lines between points, by their second differences."""
+    """Bound of the interpolation error of reserves, by their second differences."""
     reserve = np.clip(reserve, 1 / FAR, FAR)
     second = (np.diff(reserve, n=2, axis=axis) for axis in range(1, reserve.ndim))
     return float(sum(np.nanmax(abs(difference), initial=0) / 8 for difference in second))
 
 
 def _worst(under):
-    """Of one requirement under several shocks that of the least reserve, and the largest stress."""
+    """Choose the shock of the least reserve of a requirement, and the largest stress under all."""
     if len(under) == 1:
         return under[0]
     every = xr.concat(under, "shock")
@@ -86,7 +85,7 @@ def _worst(under):
 
 
 def _under_shock(study, axes, required, thresholds):
-    """How far a requirement is met under a shock, by thresholds of its pulse; and the stress."""
+    """The reserve of a requirement under one shock, and the stress; thresholds: of its pulse."""
     N, survives = required["N"], required["survives"]
     thresholds = thresholds.drop_attrs()
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
@@ -107,7 +106,7 @@ def _under_shock(study, axes, required, thresholds):
         window["stress_max"] = tuple(axes), stress
     if not _varies(axes):
         return window
-    # What is not known is neither met nor failed.
+    # An unknown reserve counts as 1, between met and failed.
     worst = window.reserve.fillna(1.0).argmin(TEMPERATURE)
     at_worst = window.isel({TEMPERATURE: worst}).reset_coords(TEMPERATURE)
     if "stress_max" in window:
@@ -115,36 +114,36 @@ def _under_shock(study, axes, required, thresholds):
     return at_worst
 
 
-def _good(study, axes, requirements, tolerances):
-    """How many samples of the device at each point of the axes meet all requirements."""
+def _count_meeting(study, axes, requirements, tolerances):
+    """Count the samples of the device that meet all requirements, at each point of the axes."""
     grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.settings.start
     pulses = [pulse for required in requirements for pulse in required["shocks"].pulses]
     f0 = np.array([required["f0"] for required in requirements for _ in required["shocks"].pulses])
-    # ASSUME: the model that suffices at both ends of C does so between them.
+    # ASSUME: a model that suffices at both ends of C suffices between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
     choices = choose_levels(study.device, study.model, rows, study.settings)
-    good = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
+    meets = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
             continue
         device = grid.device.pick(number)
         plan = Plan(device, tolerances.scatters, tolerances.together)
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
-        batch, good[place] = Batch(device, values, study.model, choices, start), True
+        batch, meets[place] = Batch(device, values, study.model, choices, start), True
         for required in requirements:
             settings = of_requirement(study, required).settings
             for pulse in required["shocks"].pulses:
                 rows = to_rows(0, required["f0"], C, 0, [pulse])
-                good[place] &= batch.meets(required, rows, settings).T
+                meets[place] &= batch.meets(required, rows, settings).T
     if _varies(axes):
-        good = good.all(axis=list(axes).index(TEMPERATURE))
-    return good.sum(axis=-1)
+        meets = meets.all(axis=list(axes).index(TEMPERATURE))
+    return meets.sum(axis=-1)
 
 
 def summary(window: xr.Dataset, units: Units) -> str:
-    """One line: where all are met, at points and between them, and by which margin, with the yield.
+    """Write in a line where all requirements are met, the widest margin, and the yield there.
 
-    window: over two axes of several values; units: of these
+    window: as `window_of` returns it, over two axes of several values; units: of the axes
     """
     window = window.squeeze([key for key in window.reserve.dims[1:] if window.sizes[key] == 1])
     axes, reserve = window.reserve.dims[1:], window.reserve.values
@@ -153,7 +152,7 @@ def summary(window: xr.Dataset, units: Units) -> str:
     if not np.isfinite(least).any():
         return f"{words}; nothing else is known"
     share = np.mean(least >= 1)
-    words += f", with what lies between them on {share:.1%} of the plane; the widest margin, "
+    words += f", by interpolation on {share:.1%} of the plane; the widest margin, "
     best = np.unravel_index(np.nanargmax(least), least.shape)
     where = []
     for key, place in zip(axes, best, strict=True):
