@@ -101,7 +101,7 @@ def calibrate(
     """
     study, _ = study_of(device, model, options)
     if len(study.shocks.pulses) > 1:
-        raise ValueError("pulse: has several; write shape and direction of each shot in its row")
+        raise ValueError("pulse: has several shapes or directions; write those of each shot")
     check_ranges(unknowns, C, study.device)
     return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
 

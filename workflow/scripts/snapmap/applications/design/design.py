@@ -110,7 +110,7 @@ def design(
             need = argument_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
-        raise ValueError("pulse: has several; write one shape and one direction")
+        raise ValueError("pulse: has several shapes or directions; write one of each")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(

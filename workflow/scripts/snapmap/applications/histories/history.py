@@ -80,7 +80,7 @@ def simulate(
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
     if study.shocks.axes:
-        raise ValueError("pulse: has several; write one shape and one direction for a history")
+        raise ValueError("pulse: has several shapes or directions; write one of each")
     device, settings = study.device, study.settings._replace(repeat=False)
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
