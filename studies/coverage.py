@@ -48,7 +48,8 @@ JUDGED_STEP = 0.2
 which they agree is well posed."""
 MOST_STEPS = 1e6
 """Largest number of steps of a judge's run; rows that need more are left out. Only pulses with
-corners need as many, across gaps or between stops. With 3e5, 150 devices take half an hour of one core."""
+corners need as many, across gaps or between stops. With 3e5, 150 devices take half an hour of a
+core."""
 AGREED, REFINED = 3e-4, 1e-5
 """Largest difference between judges that agree, and tolerance of their thresholds; relative."""
 REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP
