@@ -12,6 +12,7 @@ import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import System, follow, nodal_system
@@ -170,3 +171,12 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)
     assert set(in_plain_loop) <= {*System._fields, *follow.py_func.__code__.co_varnames}
+
+
+def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):
+    def seconds_of_a_step(*name):
+        cells = to_cells(handout, 0, 900.0, [1000.0], 25.0, 1500.0)
+        dt, seconds = steps_and_seconds(build_model(handout, *name), cells, Settings())
+        return (seconds * dt / cells.t_end).item()
+
+    assert seconds_of_a_step("reference") > 10 * seconds_of_a_step("elements")

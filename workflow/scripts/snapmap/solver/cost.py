@@ -37,15 +37,15 @@ def spoken(seconds: float) -> str:
 
 
 def steps_and_seconds(
-    built: Follows, cells: Cells, settings: Settings, plain: bool = False
+    built: Follows, cells: Cells, settings: Settings
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the step of each cell, us, and about the time to follow it to its horizon, s.
 
-    plain: whether the plain loop follows it; both results have the cells' shape
+    Both have the cells' shape.
     """
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):
         dt[mine] = part.time_steps(cells.take(mine), settings)
-        nanoseconds = 80 if plain else 1 + part.modes**2 / 20
+        nanoseconds = 80 if part.name == "reference" else 1 + part.modes**2 / 20
         seconds[mine] = nanoseconds * 1e-9 * cells.t_end[mine] / dt[mine]
     return dt, seconds

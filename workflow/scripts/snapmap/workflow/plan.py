@@ -147,7 +147,7 @@ def _expected(grid, model, settings, f0, observing):
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)
-    dt, seconds = steps_and_seconds(built, cells, settings, model["name"] == "reference")
+    dt, seconds = steps_and_seconds(built, cells, settings)
     for cost in observing:
         seconds += cost(built, cells, settings)
     return dt.min(), seconds.mean(axis=1)
