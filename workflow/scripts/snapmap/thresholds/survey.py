@@ -158,9 +158,8 @@ def survey(
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
     bound = lower_bound(models, rows, settings)
-    alone = models._replace(others=(), judges=())  # the others only give bars
     # With `highest` = 0, islands far above the first N that snaps do not count.
-    changes = find_changes(alone, rows, settings, tolerance, 0.0, bound)
+    changes = find_changes(models, rows, settings, tolerance, 0.0, bound)
     edges = changes.edges.take(changes.edges.rising)
     first, _ = outermost(edges.row, edges.high, bound.size)
     edges = edges.take(edges.high == first[edges.row])
