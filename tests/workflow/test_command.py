@@ -5,13 +5,16 @@ import sys
 
 import numpy as np
 import pytest
-from small_studies import MISSING, changed
+import yaml
+from small_studies import MISSING, TINY, changed
 
 import snapmap
+from snapmap.applications import gather
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.workflow.command import _costs, main
+from snapmap.workflow.command import main
+from snapmap.workflow.forecast import forecast
 
 
 @pytest.fixture
@@ -39,7 +42,7 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
-    for what in ("cells", *_costs(study)):
+    for what in ("cells", "thresholds", *gather("cost", study)):
         assert re.search(rf"[:,] {what} [0-9.]+ (s|min|h)", costs)
 
 
@@ -49,15 +52,33 @@ def test_check_says_what_devices_as_made_cost(config):
 
     def cost(samples, **values):
         asked = {"thickness": "1 %", "samples": samples, "index_samples": 2}
-        costs = _costs(load_config(changed(document, tolerances=asked, **values)))
-        assert set(costs) == {"thresholds", "tolerances"}
-        return costs["tolerances"]
+        return gather("cost", load_config(changed(document, tolerances=asked, **values)))[
+            "tolerances"
+        ]
 
     costs = [cost(samples) for samples in (2000, 4000, 6000)]
     steps = np.diff(costs)
     assert steps[0] > 0 and steps[1] == pytest.approx(steps[0])
     assert cost(6000, device__beam__damping=MISSING) < costs[-1]
-    assert set(_costs(load_config(changed(document, tolerances=MISSING)))) == {"thresholds"}
+    assert not gather("cost", load_config(changed(document, tolerances=MISSING)))
+
+
+def test_a_small_study_is_forecast_by_following_all_of_it(monkeypatch):
+    """A clock that counts cells and rows: a sample tells the whole, and what a call takes once."""
+    followed = {"cells": [], "thresholds": []}
+    clock = iter(range(1000))
+    monkeypatch.setattr("snapmap.workflow.forecast.time.process_time", lambda: float(next(clock)))
+    monkeypatch.setattr(
+        "snapmap.workflow.forecast._follow", lambda study, axes: followed["cells"].append(axes)
+    )
+    monkeypatch.setattr(
+        "snapmap.workflow.forecast._search", lambda study, axes: followed["thresholds"].append(axes)
+    )
+    study = load_config(yaml.safe_load(TINY))
+    assert forecast(study)["cells"] == 1.0  # a tick of the clock
+    for points in followed.values():
+        smaller, again, larger = (np.prod([len(values) for values in a.values()]) for a in points)
+        assert smaller == again < larger == np.prod([study.axes[key].size for key in ("C", "f0")])
 
 
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):

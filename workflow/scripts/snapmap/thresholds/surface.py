@@ -16,7 +16,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study import arguments
-from ..study.axes import rows_of
+from ..study.axes import Grid, rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
 from ..study.variables import dress, flags
 from .cost import tell_cost
@@ -137,6 +137,18 @@ def _search(study, axes, tolerance, highest=None):
     """Find the thresholds of a study; returns grid, rows, models and variables, (rows, ...)."""
     settings, grid = study.settings, study.set_out(axes)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
+    parts, searched = split_rows(grid, rows)
+    tell_cost(models, rows.take(searched), settings)
+    return grid, rows, models, find_thresholds(models, rows, parts, settings, tolerance, highest)
+
+
+def split_rows(
+    grid: Grid, rows: Rows
+) -> tuple[list[tuple[np.ndarray, Sequence[np.ndarray]]], np.ndarray]:
+    """Find the surfaces of a grid, and which of its rows are searched at first, (rows,).
+
+    The thresholds of the other rows are expected between those, and verified.
+    """
     exists = rows.device >= 0
     rings = exists & is_ringing(grid.device, rows)
     slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
@@ -144,8 +156,7 @@ def _search(study, axes, tolerance, highest=None):
     parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
     searched = _beside(exists, parts)
     searched[initial_rows(parts)] = True
-    tell_cost(models, rows.take(searched), settings)
-    return grid, rows, models, find_thresholds(models, rows, parts, settings, tolerance, highest)
+    return parts, searched
 
 
 def _find_latched(model, rows, columns, settings, highest):

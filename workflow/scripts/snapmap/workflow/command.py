@@ -71,7 +71,8 @@ def check(config: Path) -> None:
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
     from ..solver.laws import laws_of
-    from .plan import SEEN, make_plan
+    from .forecast import forecast
+    from .plan import make_plan
 
     study = load_config(read_document(config))
     plan = make_plan(
@@ -85,9 +86,10 @@ def check(config: Path) -> None:
     if laws and laws.solver:
         print(_runs(study))
         return
-    costs = {"cells": " to ".join(spoken(times * plan.seconds) for times in SEEN)}
-    costs |= {what: spoken(START + seconds) for what, seconds in _costs(study).items()}
-    print(f"core time, about: {', '.join(f'{what} {time}' for what, time in costs.items())}")
+    costs = forecast(study)
+    costs["cells"] += START * (len(plan.slabs) - 1)
+    parts = (f"{what} {spoken(START + seconds)}" for what, seconds in costs.items())
+    print(f"core time, about: {', '.join(parts)}")
 
 
 def _runs(study):
@@ -99,20 +101,6 @@ def _runs(study):
         f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
         "more where they are ragged"
     )
-
-
-def _costs(study):
-    """Estimate the core time of thresholds and of applications without their jobs' start, s."""
-    from ..applications import gather
-    from ..solver.adaptive import choose_survey
-    from ..study.axes import rows_of
-    from ..thresholds.cost import survey_seconds
-
-    study = study.of_thresholds()
-    models = choose_survey(study.grid.device, study.model, study.settings.start)
-    rows = rows_of(study.grid)
-    seconds = survey_seconds(models, rows.take(rows.device >= 0), study.settings)
-    return {"thresholds": seconds, **gather("cost", study)}
 
 
 def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:

@@ -27,9 +27,8 @@ MOST_CELLS, MOST_SINGLE = 10**10, 1000
 START_MB, CELL_MB = 1000, 5e-4
 """Memory requested for a job's start and for each cell; 700 MB and 300 B were measured."""
 START_MINUTES, CAUTION = 2, 20
-"""Minutes requested for a job's start, and factor on its time; 15 s and SEEN were measured."""
-SEEN = 3, 9
-"""Least and largest measured time over the expected one."""
+"""Minutes requested for a job's start, and factor on its time; 15 s and a factor of 3 to 12 were
+measured."""
 
 
 class Request(NamedTuple):
