@@ -321,6 +321,37 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
         assert "lies outside the study's folder" in only_fault(changed(marks=marks))
 
 
+HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
+HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>"
+USUAL = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
+
+
+PATHS = "marks", "pulse__file", "device__beam__shape__file", "model__laws", "calibration__shots"
+
+
+@pytest.mark.parametrize("key", PATHS)
+def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, monkeypatch, key):
+    monkeypatch.chdir(tmp_path)
+    section, _, last = key.rpartition("__")
+    is_new = last in ("file", "shots")
+    for name in (*HOSTILE, *USUAL):
+        lines = faults(changed(**({section: {last: name}} if is_new else {key: name})))
+        refused = [line for line in lines if line.endswith("rename it")]
+        if name in HOSTILE:
+            (line,) = refused
+            assert line.startswith(f"{key.replace('__', '.')}: ") and line.isprintable()
+        else:
+            assert not refused
+
+
+def test_a_mark_has_a_name_that_can_be_shown(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a\x1b[31mb", "<b>", "n" * 61, "a|b", "=1"):
+        (tmp_path / "points.csv").write_text(f"name,N,f0\n,900,2000\n{name},1000,2000\n")
+        line = only_fault(changed(marks="points.csv"))
+        assert line.startswith("marks: points.csv: column name: ") and line.isprintable()
+
+
 def test_over_the_ranges_of_unknowns_a_second_shape_stays(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shots = "N,f0,tripped\n900,1000,no\n1000,1000,yes\n1100,1000,yes\n"

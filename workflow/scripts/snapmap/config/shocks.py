@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 from ..device.argument import Argument
 from ..files.named import sha256_of
-from ..files.text import is_name
 from ..pulse.options import OF_PULSE
 from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..pulse.recorded import RECORD, read_pulse
@@ -110,8 +109,3 @@ def one_time(section, lasts_itself=False, at=()):
     if "f0" in section or "duration" in section or lasts_itself:
         return {}
     return {(*at, "f0"): "missing; write f0 or duration"}
-
-
-def is_title(value: object) -> bool:
-    """Tell whether a value is a line that may stand in tables."""
-    return isinstance(value, str) and len(value) <= 60 and is_name(value)
