@@ -239,7 +239,7 @@ OF_SWEEPS = (
     ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
     *(("sweep.f0", {"sweep__f0": f0}) for f0 in (MISSING, ["1 kHz", "1000 Hz"])),
     *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
-    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": -1}),
+    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": 0}),
     ("sweep.duration", {"sweep__duration": ["1 ms"]}),
     ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
     ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
@@ -323,7 +323,7 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
 
 HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
 HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>"
-USUAL = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
+HARMLESS = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
 
 
 PATHS = "marks", "pulse__file", "device__beam__shape__file", "model__laws", "calibration__shots"
@@ -334,7 +334,7 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
     monkeypatch.chdir(tmp_path)
     section, _, last = key.rpartition("__")
     is_new = last in ("file", "shots")
-    for name in (*HOSTILE, *USUAL):
+    for name in (*HOSTILE, *HARMLESS):
         lines = faults(changed(**({section: {last: name}} if is_new else {key: name})))
         refused = [line for line in lines if line.endswith("rename it")]
         if name in HOSTILE:
@@ -342,6 +342,20 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
             assert line.startswith(f"{key.replace('__', '.')}: ") and line.isprintable()
         else:
             assert not refused
+
+
+def test_no_door_takes_an_amplitude_below_0():
+    """But a blow of a train may point the other way."""
+    shock = {"N": -1000, "f0": "1 kHz"}
+    sections = {"histories": [shock | {"C": "1 uN*us/um"}], "sweep__N": [900, -1000]}
+    sections |= {"requirements": [shock | {"name": "drop", "snaps": False}]}
+    sections |= {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}
+    for key, value in sections.items():
+        assert (
+            "N" in (line := only_fault(changed(**{key: value}))) and "-1000 is not from 0" in line
+        )
+    train = [{"N": 1, "duration": "1 ms"}, {"N": -0.5, "duration": "1 ms"}]
+    load_config(changed(pulse={"train": train}, sweep__f0=MISSING))
 
 
 def test_a_mark_has_a_name_that_can_be_shown(tmp_path, monkeypatch):

@@ -33,6 +33,16 @@ def test_what_a_user_can_mend_is_one_line_and_all_else_has_a_traceback(tmp_path)
     assert unforeseen.startswith("Traceback") and "KeyError: 'f0'" in unforeseen
 
 
+def test_the_traceback_of_a_users_code_comes_before_the_line(tmp_path):
+    fault = ValueError("model.laws: mine: KeyError: 'x'")
+    fault.__cause__ = KeyError("x")
+    *before, line = log_of(fault, tmp_path / "log").splitlines()
+    assert line == str(fault) and before == ["KeyError: 'x'"]
+    fault = OSError("cube.nc: not written")
+    fault.__cause__ = OSError("disk")
+    assert log_of(fault, tmp_path / "log") == f"{fault}\n"
+
+
 def test_where_the_log_is_full_the_terminal_hears_of_it(capsys):
     with pytest.raises(SystemExit), job_log("/dev/full"):
         raise OSError("cube.nc: not written")

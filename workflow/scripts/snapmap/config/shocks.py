@@ -22,7 +22,7 @@ class Blow(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    N: quantity("number", "peak relative to other blows", "2", "`1`")
+    N: quantity("part", "peak relative to other blows", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
     repeat: argument(OF_PULSE["repeat"], "how often all items before it occur", out="once")
@@ -36,7 +36,7 @@ class Drop(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    rebound: quantity("number", "velocity after a blow over that before, 0 to 0.99", "0.3", "`0`")
+    rebound: quantity("part", "velocity after a blow over that before, 0 to 0.99", "0.3", "`0`")
 
 
 def _shapes(value):

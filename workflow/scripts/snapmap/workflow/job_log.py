@@ -49,7 +49,8 @@ def job_log(path: str | Path) -> Iterator[None]:
     """Keep what a rule's function prints in a log; warnings also go to the terminal.
 
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
-    OSError, MemoryError) is one line in it; any other is a traceback.
+    OSError, MemoryError) is one line in it, after the traceback of a user's own code that raised
+    it; any other is a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
@@ -65,6 +66,8 @@ def job_log(path: str | Path) -> Iterator[None]:
             yield
         except (MemoryError, OSError, ValueError) as fault:
             complaint = str(fault) or type(fault).__name__
+            if isinstance(fault, ValueError) and fault.__cause__:  # in a user's own code
+                traceback.print_exception(fault.__cause__)
         except Exception:
             complaint = traceback.format_exc()
     if complaint:
