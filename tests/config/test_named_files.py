@@ -95,6 +95,15 @@ def test_a_record_has_a_name_that_may_stand_in_tables(folder):
         assert line.startswith("requirements[0]") and "rename it" in line and line.isprintable()
 
 
+def test_a_long_cell_of_a_table_is_quoted_in_part(folder):
+    long = "x" * 1_000_000
+    heads = f"N,{long}", f"N,duration ({long})", "N,f0"
+    for head, cell in zip(heads, ("1", "1", long), strict=True):
+        (folder / "points.csv").write_text(f"{head}\n1000,{cell}\n", encoding="utf-8")
+        (line,) = faults(DOCUMENT)
+        assert line.startswith("marks: points.csv: ") and "x..." in line
+
+
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     cube = "results/cube.nc"
     snakemake(root, ".", "mine.yaml", cube)

@@ -6,6 +6,7 @@ import itertools
 import json
 import pickle
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +39,12 @@ RIGHT = {
 }
 FUNCTIONS = {name: getattr(snapmap, name) for name in snapmap.__all__}
 VERBS = [name for name in FUNCTIONS if name[0].islower()]
+
+
+def test_a_device_of_several_values_is_told_what_it_lacks():
+    for wrong in (replace(DEVICE, mass=[1e4, 2e4]), {"a": DEVICE, "b": batch([DEVICE])}):
+        with pytest.raises(ValueError, match=r"\Adevice: .*, each value a number; load_device"):
+            snapmap.sweep(wrong, **SINGLE)
 
 
 def parameters_of(name):

@@ -1,5 +1,6 @@
 """The log of a script: what it prints, and how it ends."""
 
+import logging
 import sys
 import warnings
 
@@ -12,9 +13,11 @@ def test_the_log_has_what_is_printed_and_the_terminal_warnings(tmp_path, capsys)
     with job_log(tmp_path / "log"):
         print("12 cells")
         warnings.warn("about 5 min", stacklevel=1)
+        logging.getLogger("snapmap").warning("%d modes", 3)
         print("careful", file=sys.stderr)
-    assert capsys.readouterr() == ("", "about 5 min\n")
-    assert (tmp_path / "log").read_text() == "12 cells\nabout 5 min\ncareful\n"
+    logging.getLogger("snapmap").warning("after it")
+    assert capsys.readouterr() == ("", "about 5 min\n3 modes\n")
+    assert (tmp_path / "log").read_text() == "12 cells\nabout 5 min\n3 modes\ncareful\n"
 
 
 def log_of(fault, path):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.device import Device
+from ..files.text import show
 from ..pulse.pulse import Pulse
 from .laws import of_user
 
@@ -54,5 +55,5 @@ def _time_of(answer: object) -> float:
     numbers = int | float | np.integer | np.floating
     if isinstance(answer, bool) or not isinstance(answer, numbers) or answer < 0:
         needs = "return the time of the snap (us), None for no snap, or inf for a run not to trust"
-        raise ValueError(f"model.laws: solver: returns {answer!r}; {needs}")
+        raise ValueError(f"model.laws: solver: returns {show(answer)}; {needs}")
     return float(answer)

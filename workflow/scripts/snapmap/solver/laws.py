@@ -12,6 +12,7 @@ import numpy as np
 from ..device.argument import Argument
 from ..device.device import Value
 from ..files.named import naming, read_named
+from ..files.text import show
 
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
@@ -132,7 +133,7 @@ def _compiled(key, law):
     with of_user(key):
         value = law(*np.full(len(needs), 0.25))
     if not isinstance(value, float):
-        raise ValueError(f"{name}: returns {value!r}; return a float")
+        raise ValueError(f"{name}: returns {show(value)}; return a float")
     if key == "damping":
         with of_user(key):
             drives = any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0))
