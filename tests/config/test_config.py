@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import subprocess
 import sys
 from decimal import Decimal
@@ -342,6 +343,33 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
             assert line.startswith(f"{key.replace('__', '.')}: ") and line.isprintable()
         else:
             assert not refused
+
+
+FAR = {
+    **{"sweep__N": [1e14], "sweep__horizon": "200 s", "device__contact": "1e9 N/m"},
+    **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
+    **{"device__beam__residual_stress": "-1.1e7 MPa", "device__mass": "6e-6 kg"},
+    **{"device__gap": "1e-6 um", "device__stops": {"away": "6 mm"}},
+    "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],
+    "requirements": [{"name": "drop", "N": 1e14, "f0": "1 kHz", "snaps": False}],
+}
+NEAR = {"sweep__horizon": "1e-9 us", "device__contact": "1e-9 N/m"}
+
+
+@pytest.mark.parametrize(("key", "value"), [*FAR.items(), *NEAR.items()])
+def test_a_value_far_off_is_told_in_one_line(key, value):
+    (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
+    name = "N" if isinstance(value, list) else key.rpartition("__")[2].replace("stops", "stop_away")
+    assert re.match(rf"{name} = \S+( \S+)? is outside the usual .* is its unit right\?$", line)
+
+
+def test_of_what_is_usual_nothing_is_told(monkeypatch):
+    """Nor of a value that is left out, or of a mass where there is none."""
+    monkeypatch.chdir(ROOT / "config")  # of a record
+    configs = [read_document(path) for path in (ROOT / "config").glob("*.yaml")]
+    configs += [changed(device__contact="hard", device__gap="0 um", sweep__horizon="0 us")]
+    configs += [changed(**ALONE)]
+    assert not any("usual" in line for config in configs for line in doubts(load_config(config)))
 
 
 def test_no_door_takes_an_amplitude_below_0():
