@@ -245,7 +245,9 @@ def test_what_is_hardly_meant_is_told(handout):
         UserWarning, match="^C = 100000 .* times critical damping; is its unit right"
     ):
         snapmap.sweep(handout, 1000.0, 1500.0, 1e5, **CHEAP)
-    with pytest.warns(UserWarning, match=r"^N = 1000000000 is outside the usual 0 to 1000000; is its"):
+    with pytest.warns(
+        UserWarning, match=r"^N = 1000000000 is outside the usual 0 to 1000000; is its"
+    ):
         snapmap.sweep(handout, 1e9, 1500.0, 1.0, **CHEAP)
 
 

@@ -188,7 +188,13 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
         ("contact = solver = lambda a, b: 1.0", "a solver beside laws; write"),
         ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
         ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: no double well; make it 0 at 0"),
-        ("def damping(C, v, y): return -C * v", "damping: drives the mass; give it the sign of"),
+        *(
+            (
+                f"def damping(C, v, y): return {drag}",
+                "damping: drives the mass; give it the sign of",
+            )
+            for drag in ("-C * v", "C * abs(v)", "-C * abs(v)", "C * v * y", "-C * v * y")
+        ),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
         ("raise SystemExit(0)", "mylaws.py: SystemExit: 0"),
         ("import sys\nsys.exit()", "mylaws.py: SystemExit"),

@@ -1,12 +1,43 @@
 """The log of a script: what it prints, and how it ends."""
 
 import logging
+import os
+import subprocess
 import sys
+import time
 import warnings
 
+import psutil
 import pytest
+from small_workflow import wait_for
 
 from snapmap.workflow.job_log import job_log
+
+JOB = """
+import os, sys, time
+from types import SimpleNamespace
+from snapmap.workflow.job_log import RUN, run_rule
+
+class Files(list):
+    items = dict().items
+
+os.environ[RUN] = str(os.getppid())
+job = {"wildcards": {}, "params": {}, "input": Files(), "output": Files(["made"])}
+run_rule(lambda: time.sleep(600), SimpleNamespace(**job, threads=1, log=["log"]))
+"""
+
+
+def test_a_job_ends_with_its_run(root, tmp_path):
+    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    start = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {JOB!r}])"
+    run = subprocess.Popen([sys.executable, "-c", start], cwd=tmp_path, env=environment)
+    assert wait_for((tmp_path / "log").exists)
+    (job,) = psutil.Process(run.pid).children()
+    time.sleep(0.1)
+    assert job.is_running()
+    run.kill()
+    run.wait()
+    assert wait_for(lambda: not job.is_running() or job.status() == psutil.STATUS_ZOMBIE, 20)
 
 
 def test_the_log_has_what_is_printed_and_the_terminal_warnings(tmp_path, capsys):
