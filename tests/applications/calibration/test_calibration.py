@@ -39,21 +39,28 @@ def made_up(draw, surface, truth, spread, size=30):
     return shots_from(table, HANDOUT_SHOCK, None)
 
 
-@pytest.mark.parametrize("middle", [0.4, 0.02, 0.98, 0.5 - 1 / 64])
+@pytest.mark.parametrize("middle", [0.4, 0.02, 0.98, 0.13, 0.87, 0.5 - 1 / 64])
 def test_an_interval_ends_where_a_parabola_has_fallen_far_enough(middle):
-    """Or at an end of the range; also between points of the grid, and with another unknown."""
+    """Or at an end of the range; also between the last points of the grid."""
     width, freedom = 0.05, 8
     half = width * reach(freedom)
-
-    def log(u):
-        return -np.sum(((u - [middle, 0.5])[:, : u.shape[1]] / width) ** 2, axis=1) / 2
-
-    nodes = log(np.array([*np.ndindex(33, 33)]) / 32).reshape(33, 33)
-    profile = Profile(log, nodes)
-    low, high = profile.interval(0, freedom)
+    profile = profile_of(lambda u: -np.sum(((u - [middle, 0.5]) / width) ** 2, axis=1) / 2)
     assert profile.best == pytest.approx([middle, 0.5], abs=1e-3)
+    low, high = profile.interval(0, freedom)
     assert low == pytest.approx(max(0.0, middle - half), abs=5e-4)
     assert high == pytest.approx(min(1.0, middle + half), abs=5e-4)
+
+
+def test_an_interval_follows_a_ridge_that_all_points_of_the_grid_miss():
+    """The second unknown is known well, the first not at all."""
+    profile = profile_of(lambda u: -(((u[:, 1] - 0.5 - 1 / 64) / 0.002) ** 2) / 2)
+    assert profile.interval(0, 8) == (0.0, 1.0)
+    assert profile.nodes.max() < profile.most - 20
+
+
+def profile_of(log):
+    """The profile of a likelihood over two unknowns, with 33 points along each."""
+    return Profile(log, log(np.array([*np.ndindex(33, 33)]) / 32).reshape(33, 33))
 
 
 def test_intervals_cover_the_truth_of_made_up_campaigns():
