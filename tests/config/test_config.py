@@ -323,7 +323,7 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
 
 
 HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
-HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>"
+HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>", "a]b", "a>b"
 HARMLESS = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
 
 

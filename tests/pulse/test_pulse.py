@@ -58,6 +58,25 @@ def test_a_pulse_made_by_hand_is_right_or_refused_in_a_line():
         Pulse(3, PIECES)
 
 
+def test_a_record_that_pulls_is_judged_as_one_that_presses():
+    with pytest.raises(ValueError, match="ends at 50% of its peak"):
+        sampled([0.0, 1.0, 2.0], [0.0, 1.0, -0.5])
+    pull = sampled([0.0, 1.0, 2.0], [0.0, -4.0, 0.0])
+    assert (pull.area, pull.gross_area, pull.highest) == (-0.5, 0.5, 0.0)
+    assert sampled([0.0, 1.0, 3.0, 4.0], [0.0, 1.0, -1.0, 0.0]).gross_area >= 0.5
+    for samples, is_coarse in ((16, False), (4, True)):
+        time = np.linspace(0.0, 2 * np.pi, samples + 1)  # a period of the device
+        lines = sampled(time, np.sin(time / 2)).doubts(1.0, time[-1])
+        assert any("coarse" in line for line in lines) == is_coarse
+
+
+def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
+    train = make_train([BLOW, {"wait": 500.0}, BLOW | {"N": -2.0}])
+    assert train.strongest.area < 0
+    x, which = np.array([np.nan, 0.1, *train.blows]), np.zeros(4, int)
+    assert blow_at([train], which, x).tolist() == [0, 1, 1, 2]
+
+
 def test_short_pulses_trip_by_their_velocity_change(handout):
     """Half sine : versed sine : sawtooth = pi/4 : 1 : 1; the impulsive limit is one."""
     f0 = 100 * handout.own_frequency / (2 * math.pi) * 1e6
