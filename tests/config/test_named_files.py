@@ -131,10 +131,10 @@ def test_a_table_has_the_unit_of_its_header(folder, key, value, head, cell):
 @pytest.mark.parametrize("unit", ACCELERATIONS)
 @pytest.mark.parametrize("time", TIMES)
 def test_a_record_has_the_units_of_its_header(folder, time, unit):
-    """The peak is 50 m/s^2, after 2 ms of 4."""
+    """The peak is -50 m/s^2, after 2 ms of 4; its size counts."""
     scale = {"g": 1 / 9.80665}.get(unit, 1.0)
     t = np.array([0.0, 2.0, 4.0]) * {"s": 1e-3, "ms": 1.0}.get(time, 1e3)
-    write_table("record.csv", f"t ({time}),a [{unit}]", t, scale * np.array([0.0, 50.0, 0.0]))
+    write_table("record.csv", f"t ({time}),a [{unit}]", t, scale * np.array([0.0, -50.0, 0.0]))
     pulse = read_pulse("record.csv")
     assert pulse.duration == pytest.approx(4000.0, rel=1e-14)
     assert pulse.peak == pytest.approx(50e-6, rel=1e-14)
