@@ -16,7 +16,8 @@ sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
-os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
+# Jobs inherit it; nor do they import a module that lies in the folder of the study.
+os.environ.update(PYTHONDONTWRITEBYTECODE="1", PYTHONSAFEPATH="1")
 from snapmap.files.atomic import hold, refuse_folders, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.made import list_made, remove_others

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import subprocess
 import sys
 from decimal import Decimal
@@ -239,7 +240,7 @@ OF_SWEEPS = (
     ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
     *(("sweep.f0", {"sweep__f0": f0}) for f0 in (MISSING, ["1 kHz", "1000 Hz"])),
     *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
-    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": -1}),
+    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": 0}),
     ("sweep.duration", {"sweep__duration": ["1 ms"]}),
     ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
     ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
@@ -319,6 +320,78 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path / "study")
     for marks in ("../points.csv", "sub/../../points.csv", str(tmp_path / "points.csv")):
         assert "lies outside the study's folder" in only_fault(changed(marks=marks))
+
+
+HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
+HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>", "a]b", "a>b"
+HARMLESS = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
+
+
+PATHS = "marks", "pulse__file", "device__beam__shape__file", "model__laws", "calibration__shots"
+
+
+@pytest.mark.parametrize("key", PATHS)
+def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, monkeypatch, key):
+    monkeypatch.chdir(tmp_path)
+    section, _, last = key.rpartition("__")
+    is_new = last in ("file", "shots")
+    for name in (*HOSTILE, *HARMLESS):
+        lines = faults(changed(**({section: {last: name}} if is_new else {key: name})))
+        refused = [line for line in lines if line.endswith("rename it")]
+        if name in HOSTILE:
+            (line,) = refused
+            assert line.startswith(f"{key.replace('__', '.')}: ") and line.isprintable()
+        else:
+            assert not refused
+
+
+FAR = {
+    **{"sweep__N": [1e14], "sweep__horizon": "200 s", "device__contact": "1e9 N/m"},
+    **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
+    **{"device__beam__residual_stress": "-1.1e7 MPa", "device__mass": "6e-6 kg"},
+    **{"device__gap": "1e-6 um", "device__stops": {"away": "6 mm"}},
+    "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],
+    "requirements": [{"name": "drop", "N": 1e14, "f0": "1 kHz", "snaps": False}],
+}
+NEAR = {"sweep__horizon": "1e-9 us", "device__contact": "1e-9 N/m"}
+
+
+@pytest.mark.parametrize(("key", "value"), [*FAR.items(), *NEAR.items()])
+def test_a_value_far_off_is_told_in_one_line(key, value):
+    (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
+    name = "N" if isinstance(value, list) else key.rpartition("__")[2].replace("stops", "stop_away")
+    assert re.match(rf"{name} = \S+( \S+)? is outside the usual .* is its unit right\?$", line)
+
+
+def test_of_what_is_usual_nothing_is_told(monkeypatch):
+    """Nor of a value that is left out, or of a mass where there is none."""
+    monkeypatch.chdir(ROOT / "config")  # of a record
+    configs = [read_document(path) for path in (ROOT / "config").glob("*.yaml")]
+    configs += [changed(device__contact="hard", device__gap="0 um", sweep__horizon="0 us")]
+    configs += [changed(**ALONE)]
+    assert not any("usual" in line for config in configs for line in doubts(load_config(config)))
+
+
+def test_no_door_takes_an_amplitude_below_0():
+    """But a blow of a train may point the other way."""
+    shock = {"N": -1000, "f0": "1 kHz"}
+    sections = {"histories": [shock | {"C": "1 uN*us/um"}], "sweep__N": [900, -1000]}
+    sections |= {"requirements": [shock | {"name": "drop", "snaps": False}]}
+    sections |= {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}
+    for key, value in sections.items():
+        assert (
+            "N" in (line := only_fault(changed(**{key: value}))) and "-1000 is not from 0" in line
+        )
+    train = [{"N": 1, "duration": "1 ms"}, {"N": -0.5, "duration": "1 ms"}]
+    load_config(changed(pulse={"train": train}, sweep__f0=MISSING))
+
+
+def test_a_mark_has_a_name_that_can_be_shown(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a\x1b[31mb", "<b>", "n" * 61, "a|b", "=1"):
+        (tmp_path / "points.csv").write_text(f"name,N,f0\n,900,2000\n{name},1000,2000\n")
+        line = only_fault(changed(marks="points.csv"))
+        assert line.startswith("marks: points.csv: column name: ") and line.isprintable()
 
 
 def test_over_the_ranges_of_unknowns_a_second_shape_stays(tmp_path, monkeypatch):

@@ -13,12 +13,13 @@ from small_studies import THREE_COSINES, changed, faults
 from small_workflow import snakemake
 
 import snapmap
+from snapmap.applications.calibration.shots import read_shots
 from snapmap.applications.requirements import shocks_of
 from snapmap.config.points import read_points
 from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan
-from snapmap.pulse.recorded import read_pulse
+from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
 from snapmap.study.netcdf import check_alike
 
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
@@ -92,7 +93,51 @@ def test_a_record_has_a_name_that_may_stand_in_tables(folder):
         write_record(folder / f"{name}.csv", 1)
         required = {"name": "r", "file": f"{name}.csv", "N": 1000, "snaps": True}
         (line,) = faults(DOCUMENT | {"requirements": [required]})
-        assert line.startswith("requirements[0]: ") and "rename it, in letters, digits" in line
+        assert line.startswith("requirements[0]") and "rename it" in line and line.isprintable()
+
+
+def test_a_long_cell_of_a_table_is_quoted_in_part(folder):
+    long = "x" * 1_000_000
+    heads = f"N,{long}", f"N,duration ({long})", "N,f0"
+    for head, cell in zip(heads, ("1", "1", long), strict=True):
+        (folder / "points.csv").write_text(f"{head}\n1000,{cell}\n", encoding="utf-8")
+        (line,) = faults(DOCUMENT)
+        assert line.startswith("marks: points.csv: ") and "x..." in line
+
+
+HEADS = {"N": (1200.0, "N (g)", "1200", "N", "1200"), "f0": (2000.0, "f0", "2000")}
+HEADS["f0"] += "f0 (Hz)", "2000", "f0 (kHz)", "2"
+HEADS["duration"] = 500.0, "duration (us)", "500", "duration (ms)", "0.5", "duration (s)", "5e-4"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "head", "cell"),
+    [
+        (key, value, *pair)
+        for key, (value, *texts) in HEADS.items()
+        for pair in zip(texts[::2], texts[1::2], strict=True)
+    ],
+)
+def test_a_table_has_the_unit_of_its_header(folder, key, value, head, cell):
+    table = f"{head},{'f0' if key == 'N' else 'N'},tripped\n{cell},900,no\n"
+    (folder / "shots.csv").write_text(table)
+    assert read_shots("shots.csv")[key].tolist() == [pytest.approx(value, rel=1e-15)]
+    (folder / "points.csv").write_text(table.replace("tripped", "snapped"))
+    (point,) = read_points("points.csv")
+    read = point.N if key == "N" else point.f0
+    assert read == pytest.approx(1e6 / value if key == "duration" else value, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", ACCELERATIONS)
+@pytest.mark.parametrize("time", TIMES)
+def test_a_record_has_the_units_of_its_header(folder, time, unit):
+    """The peak is -50 m/s^2, after 2 ms of 4; its size counts."""
+    scale = {"g": 1 / 9.80665}.get(unit, 1.0)
+    t = np.array([0.0, 2.0, 4.0]) * {"s": 1e-3, "ms": 1.0}.get(time, 1e3)
+    write_table("record.csv", f"t ({time}),a [{unit}]", t, scale * np.array([0.0, -50.0, 0.0]))
+    pulse = read_pulse("record.csv")
+    assert pulse.duration == pytest.approx(4000.0, rel=1e-14)
+    assert pulse.peak == pytest.approx(50e-6, rel=1e-14)
 
 
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):

@@ -83,7 +83,9 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(cache):
                 assert sum(kernel.stats.cache_hits.values()) == hits
 
 
-def test_a_kernel_is_announced_once_when_it_is_compiled(cache, recwarn):
+@pytest.mark.filterwarnings("error")
+def test_a_kernel_is_announced_once_when_it_is_compiled(cache, caplog):
+    """Also where each warning is an error, as in the tests of others."""
     for _ in range(2):
         assert njit(cache=True)(_size)((0,) * 23) == 23
-    assert ["23 modes" in str(warning.message) for warning in recwarn] == [True]
+    assert ["23 modes" in message for message in caplog.messages] == [True]

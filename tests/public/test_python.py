@@ -6,6 +6,7 @@ import itertools
 import json
 import pickle
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +39,12 @@ RIGHT = {
 }
 FUNCTIONS = {name: getattr(snapmap, name) for name in snapmap.__all__}
 VERBS = [name for name in FUNCTIONS if name[0].islower()]
+
+
+def test_a_device_of_several_values_is_told_what_it_lacks():
+    for wrong in (replace(DEVICE, mass=[1e4, 2e4]), {"a": DEVICE, "b": batch([DEVICE])}):
+        with pytest.raises(ValueError, match=r"\Adevice: .*, each value a number; load_device"):
+            snapmap.sweep(wrong, **SINGLE)
 
 
 def parameters_of(name):
@@ -238,6 +245,10 @@ def test_what_is_hardly_meant_is_told(handout):
         UserWarning, match="^C = 100000 .* times critical damping; is its unit right"
     ):
         snapmap.sweep(handout, 1000.0, 1500.0, 1e5, **CHEAP)
+    with pytest.warns(
+        UserWarning, match=r"^N = 1000000000 is outside the usual 0 to 1000000; is its"
+    ):
+        snapmap.sweep(handout, 1e9, 1500.0, 1.0, **CHEAP)
 
 
 def test_more_cells_than_a_call_can_hold_are_refused(handout):

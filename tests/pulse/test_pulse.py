@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from varied import varied
 
 import snapmap
-from snapmap.pulse.pulse import SHAPES, blow_at, make_pulse, sampled
+from snapmap.pulse.pulse import SHAPES, Pulse, blow_at, make_pulse, sampled
 from snapmap.pulse.trains import GRAVITY, make_drop, make_train
 from snapmap.solver.models import build_model
 
@@ -35,6 +35,46 @@ def test_shapes_are_what_their_names_say(shape):
     back = pulse.reversed()
     assert back.area == -pulse.area and back.highest == 0
     assert pulse.ends == (0.0, 1.0 if shape == "sawtooth" else 0.0)
+
+
+PIECES = [[0.0, 0.0, 2.0, 0.0, 0.0, 0.0], [0.5, 1.0, -2.0, 0.0, 0.0, 0.0]]
+WRONG = {
+    "rows of 6 numbers": ["abc", None, 3, [], PIECES[0], np.ones((2, 5)), [[1.0], [2.0, 3.0]]],
+    "not finite": [[[0.0, np.nan, 0, 0, 0, 0]], [[0.0, 0, np.inf, 0, 0, 0]]],
+    "sort them": [PIECES[::-1], [PIECES[1]], [PIECES[0]] * 2, [PIECES[0], [1.0] * 6]],
+}
+
+
+def test_a_pulse_made_by_hand_is_right_or_refused_in_a_line():
+    assert Pulse("mine", PIECES).area == 0.5
+    for fault, wrong in WRONG.items():
+        for pieces in wrong:
+            with pytest.raises(ValueError, match=rf"\Apulse: pieces .*{fault}.*\Z"):
+                Pulse("mine", pieces)
+    for key, value in itertools.product(("duration", "own_N"), (0.0, -1.0, np.nan, "1 ms")):
+        with pytest.raises(ValueError, match=rf"\Apulse: {key} .* is not a number above 0"):
+            Pulse("mine", PIECES, **{key: value})
+    with pytest.raises(ValueError, match=r"\Apulse: name 3 is not text\Z"):
+        Pulse(3, PIECES)
+
+
+def test_a_record_that_pulls_is_judged_as_one_that_presses():
+    with pytest.raises(ValueError, match="ends at 50% of its peak"):
+        sampled([0.0, 1.0, 2.0], [0.0, 1.0, -0.5])
+    pull = sampled([0.0, 1.0, 2.0], [0.0, -4.0, 0.0])
+    assert (pull.area, pull.gross_area, pull.highest) == (-0.5, 0.5, 0.0)
+    assert sampled([0.0, 1.0, 3.0, 4.0], [0.0, 1.0, -1.0, 0.0]).gross_area >= 0.5
+    for samples, is_coarse in ((16, False), (4, True)):
+        time = np.linspace(0.0, 2 * np.pi, samples + 1)  # a period of the device
+        lines = sampled(time, np.sin(time / 2)).doubts(1.0, time[-1])
+        assert any("coarse" in line for line in lines) == is_coarse
+
+
+def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
+    train = make_train([BLOW, {"wait": 500.0}, BLOW | {"N": -2.0}])
+    assert train.strongest.area < 0
+    x, which = np.array([np.nan, 0.1, *train.blows]), np.zeros(4, int)
+    assert blow_at([train], which, x).tolist() == [0, 1, 1, 2]
 
 
 def test_short_pulses_trip_by_their_velocity_change(handout):

@@ -21,9 +21,10 @@ from snapmap.config.yaml_file import ConfigError
 from snapmap.device.device import batch
 from snapmap.files.named import sha256_of
 from snapmap.pulse.shocks import make_shocks
+from snapmap.solver import plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
-from snapmap.solver.laws import LAWS, load_laws
+from snapmap.solver.laws import LAWS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
 from snapmap.solver.plain_loop import nodal_system
@@ -187,14 +188,55 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
         ("contact = solver = lambda a, b: 1.0", "a solver beside laws; write"),
         ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
         ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: no double well; make it 0 at 0"),
-        ("def damping(C, v, y): return -C * v", "damping: drives the mass; give it the sign of"),
+        *(
+            (
+                f"def damping(C, v, y): return {drag}",
+                "damping: drives the mass; give it the sign of",
+            )
+            for drag in ("-C * v", "C * abs(v)", "-C * abs(v)", "C * v * y", "-C * v * y")
+        ),
         ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
+        ("raise SystemExit(0)", "mylaws.py: SystemExit: 0"),
+        ("import sys\nsys.exit()", "mylaws.py: SystemExit"),
+        ("1 / 0", "mylaws.py: ZeroDivisionError: division by zero"),
+        (
+            "def damping(C, v, y):\n  if v > 0: raise ValueError('no')\n  return v",
+            "damping: ValueEr",
+        ),
+        ("def force(x):\n  if x < -1: raise ValueError('no')\n  return x", "force: ValueError: no"),
+        ("damping = lambda C, v, y: 0.0 if v > 0 else sum(())", "damping: numba cannot compile it"),
     ],
 )
 def test_a_file_that_has_no_laws_is_refused_in_a_line(handout, law_file, written, line):
     law_file.write_text(written)
     with pytest.raises(ValueError, match=rf"\Amodel\.laws: {re.escape(line)}.*\Z"):
         build_model(handout, "reference", laws="mylaws.py", sha256=sha256_of("mylaws.py", *LAWS))
+
+
+@pytest.mark.parametrize("name", [".a.py", "numpy.py", "my.laws.py"])
+def test_a_file_of_laws_may_have_any_name(law_file, name):
+    """Numba would import the module of that name."""
+    law_file.with_name(name).write_text("k = 2.0\ndef damping(C, v, y): return k * C * v")
+    assert load_laws(name).damping(3.0, 5.0, 0.0) == 30.0
+
+
+def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
+    """The loop is not compiled here."""
+
+    def damping(C, velocity, place):
+        raise ValueError("deep")
+
+    def solver(cell, step):
+        raise [KeyError, SystemExit][cell.f0 > 0.002]("deep\nhole")
+
+    monkeypatch.setattr(plain_loop, "follow_laws", lambda *run: run[-3](*run[:3]))
+    with pytest.raises(ValueError, match=r"\Amodel\.laws: damping: damping: ValueError: deep\Z"):
+        plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
+    for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):
+        where = rf"solver at N = 900, f0 = {f0:g} Hz, C = 25 uN\*us/um"
+        with pytest.raises(ValueError, match=rf"\Amodel\.laws: {where}: {error}\Z") as caught:
+            snapmap.sweep(handout, [900.0], [f0], [25.0], model=solver)
+        assert isinstance(caught.value.__cause__, KeyError | SystemExit)
 
 
 def test_what_laws_do_not_know_is_refused(handout, laws):

@@ -30,6 +30,16 @@ def product(tmp_path):
     return path
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_product_of_another_has_its_own_dimensions(tmp_path):
+    """An empty dimension of a file comes back as an unlimited one."""
+    edges = xr.Dataset({"N": ("f0", [1.0]), "island": (("f0", "i"), np.empty((1, 0)))})
+    write(edges, tmp_path / "threshold.nc")
+    with open_whole(tmp_path / "threshold.nc") as opened:
+        assert opened.encoding["unlimited_dims"] == {"i"}
+        write(opened[["N"]], tmp_path / "laws.nc")
+
+
 def test_a_flipped_or_cut_file_is_named(product):
     whole = product.read_bytes()
     with open_whole(product) as opened:

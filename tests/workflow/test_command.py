@@ -1,6 +1,7 @@
 """The command `snapmap`, and what a package without its extras says."""
 
 import re
+import subprocess
 import sys
 
 import numpy as np
@@ -86,11 +87,31 @@ def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     monkeypatch.setattr("snakemake.cli.main", asked.append)
     assert main(["run", str(config), "--cores", "2"]) == 0
     assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
-    files = ["--snakefile", str(root / "Snakefile"), "--configfile", str(config)]
+    profile = root / "profiles" / "default" / "profile.yaml"
+    files = ["--snakefile", str(root / "Snakefile"), "--workflow-profile", str(profile)]
+    files += ["--configfile", str(config)]
     options = ["--cores", "2"], ["--cores", "all", "-n", "results/cube.nc"]
     assert asked == [[*files, *words] for words in options]
     with pytest.raises(SystemExit):
         main(["check", str(config), "-n"])
+
+
+def test_a_profile_in_the_folder_of_a_study_is_not_read(root, tmp_path):
+    (tmp_path / "profiles" / "default").mkdir(parents=True)
+    code = "import pathlib\n  - pathlib.Path('executed').touch()"
+    (tmp_path / "profiles" / "default" / "profile.yaml").write_text(
+        f"__use_yte__: true\n__definitions__:\n  - {code}\ncores: 1\n"
+    )
+    command = [
+        sys.executable,
+        "-m",
+        "snapmap.workflow.command",
+        "run",
+        root / ".test/config/config.yaml",
+    ]
+    done = subprocess.run([*command, "-n"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and "find_threshold" in done.stdout + done.stderr, done.stderr
+    assert not (tmp_path / "executed").exists()
 
 
 def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):

@@ -68,6 +68,30 @@ def test_a_foreign_list_removes_nothing(results, tmp_path, text):
     assert (results / "cube.nc").exists() and Path("mine.txt").exists()
 
 
+def test_no_link_leads_a_list_out_of_its_folder(results, tmp_path):
+    (elsewhere := tmp_path / "elsewhere").mkdir()
+    for path in (elsewhere / "secret", elsewhere / "linked", results / "a\x1b[31m"):
+        path.write_text("mine")
+    (results / "out").symlink_to("../elsewhere")
+    (results / "back").symlink_to("out")
+    (results / "loop").symlink_to("loop")
+    (results / "old.nc").symlink_to(elsewhere / "linked")
+    names = "out/secret", "back/secret", "out/../out/linked", "loop/a", "a\x1b[31m", "old.nc"
+    list_made("results", [f"results/{name}" for name in names])
+    (line,) = remove_others("results", ())
+    assert line.startswith("results/old.nc: removed")
+    left = {path.name for path in elsewhere.iterdir()}
+    assert left == {"secret", "linked"} and (results / "a\x1b[31m").exists()
+
+
+def test_a_folder_of_results_may_be_a_link_itself(results, tmp_path):
+    results.rename(scratch := tmp_path / "scratch")
+    results.symlink_to(scratch)
+    make("results/figures/window.png")
+    remove_others("results", ())
+    assert not (scratch / "figures" / "window.png").exists()
+
+
 def test_what_cannot_be_removed_is_named_and_stays_listed(results):
     make("results/window.nc")
     (results / "window.nc").unlink()

@@ -8,6 +8,7 @@ from small_results import drawn
 import snapmap
 from snapmap.applications.calibration import figure
 from snapmap.applications.calibration.dataset import fit, summary
+from snapmap.applications.calibration.likelihood import Profile, reach
 from snapmap.applications.calibration.shots import shots_from
 from snapmap.applications.calibration.surface import Surface
 from snapmap.pulse.shocks import HANDOUT_SHOCK
@@ -36,6 +37,30 @@ def made_up(draw, surface, truth, spread, size=30):
     apart = spread * draw.standard_normal(size)
     table = {"N": N, "duration": duration, "tripped": np.log(N) - logs > apart}
     return shots_from(table, HANDOUT_SHOCK, None)
+
+
+@pytest.mark.parametrize("middle", [0.4, 0.02, 0.98, 0.13, 0.87, 0.5 - 1 / 64])
+def test_an_interval_ends_where_a_parabola_has_fallen_far_enough(middle):
+    """Or at an end of the range; also between the last points of the grid."""
+    width, freedom = 0.05, 8
+    half = width * reach(freedom)
+    profile = profile_of(lambda u: -np.sum(((u - [middle, 0.5]) / width) ** 2, axis=1) / 2)
+    assert profile.best == pytest.approx([middle, 0.5], abs=1e-3)
+    low, high = profile.interval(0, freedom)
+    assert low == pytest.approx(max(0.0, middle - half), abs=5e-4)
+    assert high == pytest.approx(min(1.0, middle + half), abs=5e-4)
+
+
+def test_an_interval_follows_a_ridge_that_all_points_of_the_grid_miss():
+    """The second unknown is known well, the first not at all."""
+    profile = profile_of(lambda u: -(((u[:, 1] - 0.5 - 1 / 64) / 0.002) ** 2) / 2)
+    assert profile.interval(0, 8) == (0.0, 1.0)
+    assert profile.nodes.max() < profile.most - 20
+
+
+def profile_of(log):
+    """The profile of a likelihood over two unknowns, with 33 points along each."""
+    return Profile(log, log(np.array([*np.ndindex(33, 33)]) / 32).reshape(33, 33))
 
 
 def test_intervals_cover_the_truth_of_made_up_campaigns():
@@ -84,7 +109,10 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     variables = {key: ("shot", values) for key, values in columns.items()}
     variables["spread"] = "bound", [0.05]
     (panel,) = figure.panels(xr.Dataset(variables, {"bound": ["estimate"]}))
-    fit, stayed, tripped = drawn(figure.draw_shots, panel).lines
+    ax = drawn(figure.draw_shots, panel)
+    assert ax.get_xlim() == pytest.approx((1e3 / 1.2, 2e3 * 1.2))
+    assert ax.get_ylim() == pytest.approx((900.0 / 1.2, 1100.0 * 1.2))
+    fit, stayed, tripped = ax.lines
     assert fit.get_xydata().tolist() == [[1e3, 1e3], [2e3, 1.2e3]]
     assert stayed.get_ydata().tolist() == [900, 1000] and tripped.get_ydata().tolist() == [1100]
     assert [shots.get_markerfacecolor() for shots in (stayed, tripped)] == ["white", "black"]

@@ -1,5 +1,6 @@
 """Shocks that must or must not trip: their verdicts, what would mend them, and their figure."""
 
+import itertools
 import re
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ from small_results import artists, drawn
 
 import snapmap
 from snapmap.applications.requirements.check import check, judge, summary, worst
-from snapmap.applications.requirements.corners import Verdict, corners, read_verdicts
+from snapmap.applications.requirements.corners import Verdict, badness, corners, read_verdicts
 from snapmap.applications.requirements.figure import draw_margins
 from snapmap.applications.requirements.required import RequiredShock
 from snapmap.applications.requirements.verdicts import hint, write_verdicts
@@ -107,6 +108,20 @@ def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must,
     if strength == BRITTLE:
         assert survival == (must, pytest.approx(1500 / stress), float(stress > 1500))
     assert np.isnan(survival.strength_margin) == (not strength)
+
+
+def test_the_worst_corner_is_in_front():
+    """What is violated before what is unclear; a strength counts if the beam must survive."""
+    row = {"requirement": "drop", "device": "", "C": 25.0, "must_snap": False}
+    margins = {"met": 1.01, "unclear": 0.5, "failed": 0.9}
+    rows = [row | {"verdict": verdict, "margin": margin} for verdict, margin in margins.items()]
+    for order in itertools.permutations(rows):
+        ((*group,),) = corners(order)
+        assert [row["verdict"] for row in group] == ["failed", "unclear", "met"]
+    row |= {"verdict": "met", "must_snap": "any", "margin": 0.1}
+    row |= {"strength_margin": 0.2, "closing_margin": 1.5}
+    for must_survive, reserve in ((0.0, 1.5), (0.999, 0.2), (np.nan, 1.5)):
+        assert badness(row | {"must_survive": must_survive}) == (0, -reserve)
 
 
 @pytest.fixture

@@ -6,12 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 from matplotlib.collections import LineCollection
 from scipy import stats
 from small_results import artists, drawn
+from small_studies import TINY
 from varied import varied
 
 import snapmap
+from snapmap.applications import tolerances
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.applications.tolerances.sensitivity import crossed, indices
@@ -21,6 +24,7 @@ from snapmap.applications.tolerances.statistics import (
     quantile_bounds,
     quantiles,
 )
+from snapmap.config.study import load_config
 from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
@@ -271,3 +275,21 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
     known = scattered.N_first_required.count().item()
     assert sum(patch.get_height() for patch in ax.patches[1:]) == known < 128
     assert ax.patches[0].get_x() == 400.0
+
+
+def test_a_yield_names_what_it_leaves_out(monkeypatch):
+    document = yaml.safe_load(TINY)
+    document["sweep"]["C"] = ["30 uN*us/um"]
+    document["device"]["contact_at"] = "-4 um"
+    asked = [
+        {"name": "crash", "N": 2000, "f0": "1 kHz", "snaps": True, "closes_within": "1 ms"},
+        {"name": "shelf", "N": 20, "f0": "1 kHz", "snaps": False},
+        {"name": "srs", "srs": [["500 Hz", "200 g"], ["5 kHz", "200 g"]], "snaps": False},
+    ]
+    study = load_config(document | {"requirements": asked, "tolerances": {"thickness": "1 %"}})
+    product, written = xr.Dataset({"yield": 1.0}), []
+    monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
+    monkeypatch.setattr("snapmap.study.netcdf.write_product", lambda *made: written.append(made))
+    tolerances.run(study, "results/tolerance.nc")
+    ((made, *_),) = written
+    assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}

@@ -48,6 +48,7 @@ def test_a_window_ends_where_a_design_does(handout, met):
         along = met.reserve.sel(C=25.0, requirement=name)
         along = along.sortby(along)
         assert np.interp(1.0, along, along.thickness) == pytest.approx(end.item(), abs=2e-3)
+    assert {*met.coords} == {"requirement", "thickness", "C", "bound"}
     points = int((met.reserve.min("requirement") >= 1).sum())
     line = summary(met, {"thickness": ("mm", 1e3), "C": ("uN*us/um", 1.0)})
     assert f"met at {points} of 12 points" in line and " mm, C = " in line

@@ -11,7 +11,7 @@ from typing import get_args
 import numpy as np
 
 from .applications import functions
-from .config.plausible import implausible, unusual, wide
+from .config.plausible import OF_RUNS, implausible, unusual, unusual_runs, wide
 from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
 from .device.samples import Plan
@@ -101,6 +101,7 @@ def _doubts(values):
     """Give lines on values that are hardly meant."""
     device, laws = values.get("device"), values.get("model", {}).get("laws")
     named = device if isinstance(device, Mapping) else {} if device is None else {"": device}
+    yield from unusual_runs(**{key: values[key] for key in OF_RUNS if values.get(key) is not None})
     for single in named.values():
         alone = batch([single])
         C, f0 = (values.get(key) for key in ("C", "f0"))

@@ -9,7 +9,7 @@ from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, shapes_of
 from ..device.device import Beam, Device
 from ..study.study import Study
-from .plausible import implausible
+from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
 
@@ -47,6 +47,7 @@ def doubts(study: Study) -> list[str]:
     """
     axes, (first, *_) = study.axes, study.devices().values()
     lines = implausible(study.grid.device, dampers(study), axes["f0"])
+    lines += unusual_runs(N=axes["N"], horizon=study.settings.horizon)
     for name, device in study.devices().items():
         remarks, force = [tilting(device.beam), stopped(device)], device.force
         if force:

@@ -28,6 +28,7 @@ from pydantic_core import PydanticCustomError
 from ..device.argument import Argument, argument_of, integer
 from ..device.argument import word as one_of
 from ..device.quantities import KINDS, bounds_of
+from ..files.text import SIGNS, is_showable
 from ..numerics.portable import geometric, linear
 from .units import read, show
 
@@ -256,7 +257,12 @@ def many(item: object, need: str, example="", out="", least=0) -> object:
 
 
 def inside(file: str) -> str:
-    """Return the path of a file in the study's folder; ValueError, one line, for any other."""
+    """Return the path of a file in the study's folder; ValueError, one line, for any other.
+
+    Paths stand in tables and on the terminal.
+    """
+    if not is_showable(file):
+        raise ValueError(f"{show(file)} has signs that do not print or are in {SIGNS}; rename it")
     if PurePath(file).is_absolute() or ".." in PurePath(file).parts:
         raise ValueError(f"{file} lies outside the study's folder; copy it there")
     return file

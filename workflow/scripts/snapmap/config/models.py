@@ -12,6 +12,7 @@ from ..device.device import Device
 from ..device.quantities import QUANTITIES
 from ..files.named import sha256_of
 from ..files.tables import ROWS
+from ..files.text import is_title
 from ..solver.adaptive import TOLERANCE
 from ..solver.laws import LAWS, load_laws
 from ..solver.options import OF_MODEL, OPTIONS, take_model
@@ -21,7 +22,7 @@ from ..study.axes import COORDINATES, axis_behind
 from .devices import DeviceSection, of_device
 from .keys import Section, argument, axis, flag, many, part, path, quantity, word, words
 from .points import read_points
-from .shocks import TIMED, PulseSection, is_title, one_time
+from .shocks import TIMED, PulseSection, one_time
 from .units import show
 from .views import MOST_MAPS
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..device.device import Device
+from ..device.device import ALONE, Device
 from ..device.quantities import QUANTITIES, plain
 from ..device.samples import Plan
 
@@ -20,6 +20,9 @@ CREEPING = 10.0
 """C over critical damping above which it is hardly meant."""
 WIDE = 0.3
 """Scatter over the nominal value above which it is hardly meant."""
+OF_RUNS = {"N": (0.0, 1e6, ""), "horizon": (1.0, 1e7, "us")}
+"""Usual ranges, and units, of values that are not of a device."""
+OUTSIDE = "{} = {} is outside the usual {} to {}; is its unit right?"
 FAR = 1000.0
 """Duration of a pulse over a period, or the reverse, above which it is hardly meant."""
 
@@ -32,14 +35,23 @@ def unusual(device: Device) -> list[str]:
         if (low, high) == (-math.inf, math.inf):
             continue
         values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
-        # Under a force, gravity has no effect.
+        # Under a force, gravity has no effect; neither have values of a mass without one.
         counts = np.equal(device.force, 0) | (key != "gravity")
-        beyond = values[((values < low) | (values > high)) & counts]
+        counts = counts & ~(device.is_alone & (key in ALONE)) & (values != quantity.left_out)
+        beyond = values[((values < low) | (values > high)) & counts & np.isfinite(values)]
         if beyond.size:
             value, low, high = (quantity.used(f"{plain(x)} {unit}") for x in (beyond[0], low, high))
-            lines.append(
-                f"{key} = {value} is outside the usual {low} to {high}; is its unit right?"
-            )
+            lines.append(OUTSIDE.format(key, value, low, high))
+    return lines
+
+
+def unusual_runs(**values: np.ndarray | float) -> list[str]:
+    """Warn, in lines, of amplitudes N and of a horizon, us, beyond the usual; 0 is usual, too."""
+    lines = []
+    for key, (low, high, unit) in OF_RUNS.items():
+        if beyond := [x for x in np.ravel(values.get(key, 0)) if x and not low <= x <= high]:
+            words = (f"{plain(x)} {unit}".rstrip() for x in (beyond[0], low, high))
+            lines.append(OUTSIDE.format(key, *words))
     return lines
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from ..files.named import naming, read_named
 from ..files.tables import ANSWERS, ROWS, SHOCKS, read_table
+from ..files.text import NAME, is_title, show
 
 
 class Point(NamedTuple):
@@ -34,6 +35,10 @@ def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
             raise ValueError("line 1: column N is missing")
         if ("f0" in table) == ("duration" in table):
             raise ValueError("line 1: write one of the columns f0 (Hz) and duration (ms)")
+        names = table.get("name", [""] * table["N"].size)
+        if wrong := [name for name in names if name and not is_title(name)]:
+            need = f"a name of {NAME}, at most 60"
+            raise ValueError(f"column name: {show(wrong[0])} is not {need}")
     f0 = table["f0"] if "f0" in table else 1e6 / table["duration"]
-    names, snapped = table.get("name", [""] * f0.size), table.get("snapped", [None] * f0.size)
+    snapped = table.get("snapped", [None] * f0.size)
     return tuple(map(Point, names, table["N"].tolist(), f0.tolist(), snapped))

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 from ..device.argument import Argument
 from ..files.named import sha256_of
-from ..files.text import is_name
 from ..pulse.options import OF_PULSE
 from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE
 from ..pulse.recorded import RECORD, read_pulse
@@ -23,7 +22,7 @@ class Blow(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    N: quantity("number", "peak relative to other blows", "2", "`1`")
+    N: quantity("part", "peak relative to other blows", "2", "`1`")
     duration: quantity("pulse", out="`wait` or `repeat`, alone")
     wait: quantity("pulse", out="none")
     repeat: argument(OF_PULSE["repeat"], "how often all items before it occur", out="once")
@@ -37,7 +36,7 @@ class Drop(Section):
     shape: SHAPE
     rise: SHARE
     fall: SHARE
-    rebound: quantity("number", "velocity after a blow over that before, 0 to 0.99", "0.3", "`0`")
+    rebound: quantity("part", "velocity after a blow over that before, 0 to 0.99", "0.3", "`0`")
 
 
 def _shapes(value):
@@ -110,8 +109,3 @@ def one_time(section, lasts_itself=False, at=()):
     if "f0" in section or "duration" in section or lasts_itself:
         return {}
     return {(*at, "f0"): "missing; write f0 or duration"}
-
-
-def is_title(value: object) -> bool:
-    """Tell whether a value is a line that may stand in tables."""
-    return isinstance(value, str) and len(value) <= 60 and is_name(value)

@@ -60,7 +60,7 @@ class Dimension(NamedTuple):
 
 
 KINDS = {
-    "number": Dimension("a multiple of gravity without a unit", "", "1000", "(-inf, inf)"),
+    "number": Dimension("a multiple of gravity without a unit", "", "1000", "[0, inf)"),
     "quality": Dimension("a plain number", "", "250"),
     "length": Dimension("a length", "um", "'600 um'"),
     "modulus": Dimension("a modulus", "MPa", "'150 GPa'"),

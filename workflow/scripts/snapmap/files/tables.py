@@ -8,6 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from .text import show
+
 DECIMALS = "write decimals with a point, not a comma"
 """Remedy for a table with decimal commas."""
 MOST_ROWS = 10_000
@@ -89,7 +91,7 @@ def read_table(
         for line in table.index[~right]:
             word = str(table[key][line]) if table[key].notna()[line] else ""
             remedy = f"; {DECIMALS}" if "," in word else ""
-            raise ValueError(f"line {line + 2}, column {key}: {word!r} is {need}{remedy}")
+            raise ValueError(f"line {line + 2}, column {key}: {show(word)} is {need}{remedy}")
     return columns
 
 
@@ -105,7 +107,7 @@ def _keys(head, numbers, words):
     if len(unknown) == len(keys):  # it is some other file: the message quotes nothing of it
         raise ValueError(f"line 1: has no known column; write {known}")
     if unknown:
-        raise ValueError(f"line 1: column {unknown[0]!r} is unknown; known are {known}")
+        raise ValueError(f"line 1: column {show(unknown[0])} is unknown; known are {known}")
     if twice := [key for key in keys if keys.count(key) > 1]:
         raise ValueError(f"line 1: column {twice[0]} comes twice; write one of them")
     return keys
@@ -115,6 +117,8 @@ def _scale(word, key, numbers):
     """Return the factor of a column of numbers by the unit in its head; 1 for a column of words."""
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
-        what = f"unit {unit!r} is unknown" if unit else "names no unit"
-        raise ValueError(f"header {word!r} {what}; write one such as {key} ({next(iter(units))})")
+        what = f"unit {show(unit)} is unknown" if unit else "names no unit"
+        raise ValueError(
+            f"header {show(word)} {what}; write one such as {key} ({next(iter(units))})"
+        )
     return units[unit]

@@ -35,6 +35,20 @@ def is_name(text: str) -> bool:
     return re.fullmatch(r"[^\W_][\w .,:()/%+-]*", text) is not None
 
 
+def is_title(value: object) -> bool:
+    """Tell whether a value is a name of at most 60 signs."""
+    return isinstance(value, str) and len(value) <= 60 and is_name(value)
+
+
+SIGNS = '<>&|"`*[]\\'
+"""Signs to which Markdown, HTML or CSV give a meaning."""
+
+
+def is_showable(text: str) -> bool:
+    """Return whether a text is without SIGNS, and without those that steer a terminal."""
+    return text.isprintable() and not set(SIGNS).intersection(text)
+
+
 DASH = "–"
 
 

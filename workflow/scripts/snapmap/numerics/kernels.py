@@ -6,8 +6,8 @@ their sources, so that an edited kernel never meets an older one; each file ther
 
 import fcntl
 import hashlib
+import logging
 import time
-import warnings
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -21,6 +21,7 @@ from numba.misc.appdirs import AppDirs
 
 from . import portable
 
+logger = logging.getLogger("snapmap")
 VECTOR_BITS = 512
 """Width of the vectors that kernels use if the processor has them."""
 
@@ -197,18 +198,18 @@ _CacheFile._load_index, _CacheFile._load_data = _load_index, _load_data
 
 
 class Reporter(event.Listener):
-    """Warns, once for each number of modes, that a kernel is compiled and the user has to wait."""
+    """Logs, once for each number of modes, that a kernel is compiled and the user has to wait."""
 
     depth, reported = 0, frozenset()
 
     def on_start(self, event: event.Event) -> None:
-        """Enter a compilation; warn if it is not part of another."""
+        """Enter a compilation; log it if it is not part of another."""
         self.depth += 1
         sizes = {type_.count for type_ in event.data["args"] if isinstance(type_, types.UniTuple)}
         if self.depth == 1:
             for size in sizes - self.reported:
-                words = f"compiling the kernel of {size} modes: once, some seconds"
-                warnings.warn_explicit(words, UserWarning, "snapmap", 1)
+                # A warning may be an error, which numba would not survive.
+                logger.warning("compiling the kernel of %d modes: once, some seconds", size)
             self.reported |= sizes
 
     def on_end(self, event: event.Event) -> None:

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import numpy as np
 
-from ..device.argument import Argument, of_type
+from ..device.argument import Argument, number, of_type
 from ..device.checks import numbers
+from ..files.text import show
 from ..numerics import portable
 
 VERSED_SINE = "versed sine"
@@ -17,6 +18,7 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 Series = Annotated[
     np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
 ]
+POSITIVE, COLUMNS = number("(0, inf)"), 6
 NO_JUMP = 1e-12
 """Largest value over the peak at which the begin or end of a pulse is no jump."""
 AT_REST, BASELINE = 0.05, 0.005
@@ -60,6 +62,24 @@ class Pulse:
     strongest: "Pulse | None" = None
     """The blow of a train that changes the velocity most, in units of the train's peak."""
     own_N: float | None = None
+
+    def __post_init__(self):
+        if not isinstance(self.name, str):
+            raise ValueError(f"pulse: name {show(self.name)} is not text")
+        pieces = numbers(self.pieces)
+        if pieces is None or pieces.ndim != 2 or pieces.shape[1] != COLUMNS or not pieces.size:
+            need = f"rows of {COLUMNS} numbers; sampled and read_pulse make them"
+            raise ValueError(f"pulse: pieces {show(self.pieces)} are not {need}")
+        if not np.isfinite(pieces).all():
+            raise ValueError("pulse: pieces have a number that is not finite")
+        begin = pieces[:, 0]
+        if begin[0] != 0 or begin[-1] >= 1 or (np.diff(begin) <= 0).any():
+            raise ValueError("pulse: pieces do not begin at 0 and ascend to below 1; sort them")
+        for key in ("duration", "own_N"):
+            value = getattr(self, key)
+            if value is not None and not POSITIVE.fits(value):
+                raise ValueError(f"pulse: {key} {show(value)} is not {POSITIVE.need}, or None")
+        object.__setattr__(self, "pieces", pieces)
 
     @cached_property
     def ends(self) -> tuple[float, float]:

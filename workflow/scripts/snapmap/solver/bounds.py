@@ -75,7 +75,7 @@ def _stores(model, start):
     device, barrier, laws = model.device, model.barrier, model.laws or Laws()
     apart = np.max(device.gap + (0.0 if start == FIRST else barrier.first - barrier.second))
     for stiffness in np.unique(device.contact) if laws.contact else ():
-        s, P = curve(partial(laws.contact, stiffness), device.beam.rise)
+        s, P = curve("contact", partial(laws.contact, stiffness), device.beam.rise)
         if np.any(s * P < 0) or np.any(P[(s >= -apart) & (s <= 0)]):
             return False
     return laws.solver is None

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.device import Device
+from ..files.text import show
 from ..pulse.pulse import Pulse
+from .laws import of_user
 
 LANES = 1  # cells that are followed side by side
 
@@ -30,14 +32,18 @@ def march(model, cells, dt, settings):
     """Follow cells by the solver of `Laws`; takes and returns what `plain_loop.march` does.
 
     The solver takes a `Cell` and a step, us, and returns t_snap, us: None or NaN for no snap, inf
-    for a run not to trust. Raises ValueError, one line, for any other answer.
+    for a run not to trust. Raises ValueError, one line, for any other answer, or an error in it.
     """
     t_snap, unknown = np.empty(dt.size), np.full(dt.size, np.nan)
     for i in range(dt.size):
         device, pulse, *values = (column[i].item() for column in cells[:-1])
         alone = model.pick(device).device
         cell = Cell(alone, cells.pulses[pulse], *values, settings.start)
-        t_snap[i] = _time_of(model.laws.solver(cell, dt[i].item()))
+        N, f0, C = cell.amplitude / alone.gravity, 1e6 * cell.f0, cell.damping
+        name = getattr(model.laws.solver, "__name__", "solver")
+        with of_user(f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} uN*us/um"):
+            answer = model.laws.solver(cell, dt[i].item())
+        t_snap[i] = _time_of(answer)
     lost = np.where(np.isinf(t_snap), np.inf, 0.0)
     return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
 
@@ -49,5 +55,5 @@ def _time_of(answer: object) -> float:
     numbers = int | float | np.integer | np.floating
     if isinstance(answer, bool) or not isinstance(answer, numbers) or answer < 0:
         needs = "return the time of the snap (us), None for no snap, or inf for a run not to trust"
-        raise ValueError(f"model.laws: solver: returns {answer!r}; {needs}")
+        raise ValueError(f"model.laws: solver: returns {show(answer)}; {needs}")
     return float(answer)

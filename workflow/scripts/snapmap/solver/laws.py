@@ -1,10 +1,10 @@
 """A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from ..device.argument import Argument
 from ..device.device import Value
 from ..files.named import naming, read_named
+from ..files.text import show
 
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
@@ -23,6 +24,8 @@ PARAMETERS = {
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
 Law = Annotated[Callable, Argument("a function of numbers", callable)]
+MODULE = "laws_of_a_study"
+"""Name of the module of a file of laws: numba would take that of another one for it."""
 REACH, POINTS = 10.0, 10_000
 """Range over the rise in which a law is sampled, and number of samples on either side of 0."""
 
@@ -75,6 +78,23 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
     return Laws(**laws)
 
 
+@contextmanager
+def of_user(what: str) -> Iterator[None]:
+    """Turn any error of a user's code into a ValueError, one line that begins with model.laws.
+
+    what: the file or law that runs
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        from numba.core.errors import NumbaError
+
+        is_of_numba = isinstance(error, NumbaError)
+        fault = "numba cannot compile it;" if is_of_numba else f"{type(error).__name__}:"
+        line = " ".join(f"model.laws: {what}: {fault} {error}".split())
+        raise ValueError(line.removesuffix(":")) from error
+
+
 @cache
 def load_laws(path: str, sha256: str = "") -> Laws:
     """Run a Python file and compile its laws; raises ValueError, one line with the path.
@@ -82,11 +102,10 @@ def load_laws(path: str, sha256: str = "") -> Laws:
     sha256: expected hash of the file, hex digits; empty for any
     """
     with naming(f"model.laws: {path}"):
-        content, names = read_named(path, *LAWS, sha256), {"__name__": Path(path).stem}
-        try:
-            exec(compile(content, path, "exec"), names)
-        except Exception as error:  # a user's code may raise any
-            raise ValueError(f"{type(error).__name__}: {error}") from None
+        content = read_named(path, *LAWS, sha256)
+    names = {"__name__": MODULE}
+    with of_user(path):
+        exec(compile(content, path, "exec"), names)
     return compile_laws(names)
 
 
@@ -99,28 +118,27 @@ def laws_of(options: Mapping) -> Laws | None:
 def _compiled(key, law):
     """Compile a law, and check its parameters, its result and the sign of a damping."""
     from numba import njit
-    from numba.core.errors import NumbaError
 
     name, needs = f"model.laws: {key}", PARAMETERS[key]
     function = getattr(law, "py_func", law)
     if not (callable(law) if key == "solver" else inspect.isfunction(function)):
         raise ValueError(f"{name}: is not a function")
-    parameters = inspect.signature(function).parameters
+    with of_user(key):
+        parameters = inspect.signature(function).parameters
     if len(parameters) != len(needs):
         raise ValueError(f"{name}: takes ({', '.join(parameters)}); write ({', '.join(needs)})")
     if key == "solver":
         return law
     law = law if law is not function else njit(error_model="numpy")(function)
-    try:
+    with of_user(key):
         value = law(*np.full(len(needs), 0.25))
-    except NumbaError as error:
-        raise ValueError(
-            f"{name}: numba cannot compile it; {' '.join(str(error).split())}"
-        ) from None
     if not isinstance(value, float):
-        raise ValueError(f"{name}: returns {value!r}; return a float")
-    if key == "damping" and any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0)):
-        raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
+        raise ValueError(f"{name}: returns {show(value)}; return a float")
+    if key == "damping":
+        with of_user(key):
+            drives = any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0))
+        if drives:
+            raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
     return law
 
 
@@ -129,7 +147,7 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
 
     The energy is the integral of the force. Raises ValueError if this has no double well.
     """
-    x, F = curve(force, rise)
+    x, F = curve("force", force, rise)
     falls, rises = (np.flatnonzero((s * F[:-1] > 0) & (s * F[1:] <= 0)) for s in (1.0, -1.0))
     falls, rises = falls[falls > POINTS], rises[rises > POINTS]
     rises = rises[rises > falls[0]] if falls.size else falls
@@ -144,7 +162,8 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     return saddle, second, float(energy)
 
 
-def curve(law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
+def curve(name: str, law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
     """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
-    return x, np.array([law(place) for place in x.tolist()])
+    with of_user(name):
+        return x, np.array([law(place) for place in x.tolist()])

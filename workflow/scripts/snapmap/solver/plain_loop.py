@@ -11,6 +11,7 @@ from ..device.device import Device, Value
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
+from .laws import of_user
 from .settings import SECOND
 
 LANES = 1  # cells that are followed side by side
@@ -299,7 +300,12 @@ def follower(laws):
     """Return `follow` with the laws bound to it, if there are any."""
     if laws is None:
         return follow
-    return lambda *run: follow_laws(*run, laws.damping, laws.contact, laws.force)
+
+    def follow_by(*run):
+        with of_user(str(laws)):
+            return follow_laws(*run, laws.damping, laws.contact, laws.force)
+
+    return follow_by
 
 
 def starting(model, start):

@@ -85,9 +85,13 @@ Dampers = Annotated[float | Sequence[float], row(*_of("C"), "[25]")]
 Damper = Annotated[float, number(*_of("C"), "25")]
 Devices = Annotated[
     Device | Mapping[str, Device],
-    Argument("a Device, or several by name; load_device reads one", _are_devices),
+    Argument(
+        "a Device, or several by name, each value a number; load_device reads one", _are_devices
+    ),
 ]
-SingleDevice = Annotated[Device, Argument("a single Device; load_device reads one", _is_device)]
+SingleDevice = Annotated[
+    Device, Argument("a single Device, each value a number; load_device reads one", _is_device)
+]
 Model = Annotated[
     str | Mapping | Callable,
     Argument(

@@ -105,8 +105,6 @@ def make_grid(
 
 def _require_axes(points, nominal):
     """Raise ValueError, one line, for values of axes or nominal devices that no grid can have."""
-    if (points.get("N", np.zeros(1)) < 0).any():
-        raise ValueError(f"N: {points['N'].min():g} is below 0; direction -z pushes the other way")
     for device in nominal:
         idle = [key for key in points if key in OF_MASS and np.all(device.is_alone)]
         if idle:

@@ -20,16 +20,16 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
     with replacing(path) as temporary, _in_this_thread(dataset):
         axes = dataset.drop_vars(dataset.data_vars)
         no_fill = {key: {"_FillValue": None} for key in axes.coords}  # CF has none on an axis
-        axes.to_netcdf(temporary, engine="netcdf4", encoding=no_fill)
+        # Of a file that it was read from, a dataset would inherit unlimited dimensions.
+        options = {"engine": "netcdf4", "unlimited_dims": ()}
+        axes.to_netcdf(temporary, encoding=no_fill, **options)
         # Together, dask would write blocks in another order every time.
         for key, variable in dataset.data_vars.items():
             kept = DIGITS & variable.encoding.keys()
             encoding = ENCODING | {digits: variable.encoding[digits] for digits in kept}
             if variable.chunks:  # each block is compressed once
                 encoding["chunksizes"] = [size[0] for size in variable.chunks]
-            dataset[[key]].to_netcdf(
-                temporary, mode="a", engine="netcdf4", encoding={key: encoding}
-            )
+            dataset[[key]].to_netcdf(temporary, mode="a", encoding={key: encoding}, **options)
         seal(temporary)
 
 

@@ -113,7 +113,9 @@ def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
 
         from ..config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate the expressions of __use_yte__
-    options = "--snakefile", PIPELINE / "Snakefile", "--configfile", config, "--cores", cores
+    profile = PIPELINE / "profiles" / "default" / "profile.yaml"  # else the study's own, with code
+    options = "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
+    options += "--configfile", config, "--cores", cores
     snakemake([str(word) for word in (*options, *others)])
 
 

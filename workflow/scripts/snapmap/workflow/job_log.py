@@ -1,6 +1,7 @@
 """The call of a rule's function with the arguments of its job, and the log of the job."""
 
 import inspect
+import logging
 import os
 import sys
 import time
@@ -46,10 +47,11 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
 
 @contextmanager
 def job_log(path: str | Path) -> Iterator[None]:
-    """Keep what a rule's function prints in a log; warnings also go to the terminal.
+    """Keep what a rule's function prints in a log; warnings and logging also go to the terminal.
 
     Snakemake shows the log of a job that fails. A fault that the user can mend (ValueError,
-    OSError, MemoryError) is one line in it; any other is a traceback.
+    OSError, MemoryError) is one line in it, after the traceback of a user's own code that raised
+    it; any other is a traceback.
     """
     complaint = ""
     log = open(path, "w", buffering=1, encoding="utf-8")  # noqa: SIM115, closing may fail, too
@@ -59,12 +61,14 @@ def job_log(path: str | Path) -> Iterator[None]:
         for stream in (log, terminal):
             print(message, file=stream)
 
-    with redirect_stdout(log), redirect_stderr(log), warnings.catch_warnings():
+    with redirect_stdout(log), redirect_stderr(log), warnings.catch_warnings(), _logged_by(warn):
         warnings.showwarning = warn
         try:
             yield
         except (MemoryError, OSError, ValueError) as fault:
             complaint = str(fault) or type(fault).__name__
+            if isinstance(fault, ValueError) and fault.__cause__:  # in a user's own code
+                traceback.print_exception(fault.__cause__)
         except Exception:
             complaint = traceback.format_exc()
     if complaint:
@@ -76,6 +80,18 @@ def job_log(path: str | Path) -> Iterator[None]:
         log.close()
     if complaint:
         sys.exit(1)
+
+
+@contextmanager
+def _logged_by(tell):
+    """Have a function tell the messages of the package's logger."""
+    logger, handler = logging.getLogger("snapmap"), logging.Handler()
+    handler.emit = lambda record: tell(record.getMessage())
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
 
 
 def count_path(log: str | Path) -> Path:

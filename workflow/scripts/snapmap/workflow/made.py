@@ -56,8 +56,12 @@ def _write(folder, names):
 
 
 def _is_below(folder, name):
+    """Tell whether a name is a file of the folder that no link within it leads out of."""
     path = Path(name)
-    return path.parts[:1] == (folder,) and ".." not in path.parts and path != Path(folder, LIST)
+    if not name.isprintable() or path.parts[:1] != (folder,) or ".." in path.parts:
+        return False
+    real = Path(os.path.realpath(path.parent))
+    return path != Path(folder, LIST) and real.is_relative_to(os.path.realpath(folder))
 
 
 def _names(files):

@@ -73,6 +73,6 @@ def read_calibration(
     table = read_shots(section.shots, files[section.shots])
     for record in table.get("file", []):
         if record and record not in files:
-            files[inside(record)] = sha256_of(record, *RECORD)
+            files[record] = sha256_of(inside(record), *RECORD)
     shots = shots_from(table, shocks.first(), device)
     return Calibration(shots, files, unknowns, damping)

@@ -80,7 +80,7 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:
-            raise ValueError(f"shots: column {key!r} is unknown; {known}")
+            raise ValueError(f"shots: column {show(key)} is unknown; {known}")
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
         if key not in columns:
             raise ValueError(f"shots: column {key} is missing; {known}")

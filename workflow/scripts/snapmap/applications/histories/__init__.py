@@ -32,6 +32,13 @@ def alone(study):
     return [cell.f0 for cell in study.requests["histories"]]
 
 
+def doubts(study):
+    """Lines about amplitudes that are hardly meant."""
+    from ...config.plausible import unusual_runs
+
+    return unusual_runs(N=[cell.N for cell in study.requests["histories"]])
+
+
 def outputs(study):
     """A file for each cell."""
     cells = study.requests["histories"]

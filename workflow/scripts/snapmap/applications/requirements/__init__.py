@@ -53,6 +53,13 @@ def files(study):
     return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
 
 
+def doubts(study):
+    """Lines about amplitudes that are hardly meant."""
+    from ...config.plausible import unusual_runs
+
+    return unusual_runs(N=[required["N"] for required in shocks_of(study)])
+
+
 def marks(study):
     """Required shocks on maps: name, f0 (Hz), N, and a list of pulse, direction and start."""
     from ...solver.settings import FIRST

@@ -9,7 +9,6 @@ from ...config.shocks import (
     PUSHES,
     TIMED,
     PulseSection,
-    is_title,
     one_time,
     several_shapes,
     shocks_of,
@@ -17,7 +16,7 @@ from ...config.shocks import (
 from ...config.units import read
 from ...config.views import frequency_of
 from ...device.argument import Argument
-from ...files.text import show
+from ...files.text import is_title, show
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.study import ANY, Study
 from .required import Required, RequiredShock
