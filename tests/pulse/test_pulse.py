@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 from varied import varied
 
 import snapmap
-from snapmap.pulse.pulse import SHAPES, blow_at, make_pulse, sampled
-from snapmap.pulse.trains import GRAVITY, make_drop, make_train
+from snapmap.pulse.pulse import SHAPES, G, blow_at, make_pulse, sampled
+from snapmap.pulse.trains import make_drop, make_train
 from snapmap.solver.models import build_model
 
 BLOW = {"shape": "half sine", "duration": 500.0}
@@ -170,17 +170,17 @@ def test_a_train_is_its_blows_at_their_times():
 def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, rebound):
     height, lasts = 2e4, 400.0
     pulse = make_drop({"height": height, "duration": lasts, "shape": shape, "rebound": rebound})
-    velocity = math.sqrt(2 * GRAVITY * height)
-    unit, back = pulse.own_N * GRAVITY / velocity, rebound ** np.arange(pulse.blows.size)
-    assert pulse.blows[0] * pulse.duration == pytest.approx(velocity / GRAVITY, rel=1e-12)
-    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-1 / pulse.own_N, rel=1e-9)
+    velocity = math.sqrt(2 * G * height)
+    unit, back = pulse.peak / velocity, rebound ** np.arange(pulse.blows.size)
+    assert pulse.blows[0] * pulse.duration == pytest.approx(velocity / G, rel=1e-12)
+    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-G / pulse.peak, rel=1e-9)
     assert unit * pulse.impact * pulse.duration == pytest.approx(1 + rebound)
     changes = (1 + rebound) * back - 2 * np.append(back[1:], 0)
     np.testing.assert_allclose(unit * areas(pulse), changes, rtol=1e-9)
     assert pulse.blows.size == (3 if rebound else 1)
     assert unit * pulse.area * pulse.duration == pytest.approx(back[-1] * rebound)
     flights = np.diff(pulse.blows * pulse.duration) - lasts
-    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / GRAVITY, rtol=1e-3)
+    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / G, rtol=1e-3)
 
 
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])

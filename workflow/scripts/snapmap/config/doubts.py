@@ -59,7 +59,7 @@ def doubts(study: Study) -> list[str]:
         lines += [f"{name}: {line}" for line in remarks if line]
     slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
     for pulse in study.shocks.shapes.values():
-        lines += pulse.doubts(float(slowest), float(shortest))
+        lines += pulse.doubts(float(slowest), float(shortest), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points[0], axes)
     return lines + [line for part in gather("doubts", study).values() for line in part]

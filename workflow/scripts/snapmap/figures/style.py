@@ -19,14 +19,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 
-from ..device.quantities import plain
+from ..device.quantities import QUANTITIES, plain
 from ..files.atomic import replacing
-from ..pulse.pulse import VERSED_SINE
+from ..pulse.pulse import VERSED_SINE, G
 from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
 
 COLUMN, PAGE = 56, 130
 """Most signs in a line over one column, and over two."""
+NEAR_G = 0.01
+"""Relative difference from g up to which figures call the gravity of a device so."""
 HARD = "\u00a0"
 """A space at which no line breaks."""
 DPI = 300
@@ -235,11 +237,14 @@ def guides(config: Mapping) -> list[str]:
 
 
 def multiples(attributes: Mapping[str, str]) -> str:
-    """Say what N counts by a dataset's attributes: g, or a force on the midpoint."""
+    """Say what N counts by a dataset's attributes: g, gravity, or a force on the midpoint."""
     devices = _devices(json.loads(attributes.get("config", "{}")))
     forces = {device["force"] for device in devices if "force" in device}
     if not forces:
-        return "multiples of $g$"
+        gravity = devices[0].get("gravity", "") if devices else ""
+        is_g = not gravity or abs(float(gravity.partition(" ")[0]) / G - 1) < NEAR_G
+        used = QUANTITIES["gravity"].used(gravity, typeset=True)
+        return f"multiples of {'$g$' if is_g else used}"
     size = plain(float(forces.pop().partition(" ")[0]))
     return "multiples of each force" if forces else f"multiples of {size} µN"
 

@@ -14,11 +14,11 @@ MOST_ROWS = 10_000
 ROWS = 2_000_000, f"write at most {MOST_ROWS} rows"
 """Most bytes of a table of shocks, and the remedy for a larger one, as `read_named` takes them."""
 SHOCKS = {
-    "N": {"": 1.0, "g": 1.0},
+    "N": {"": 1.0},
     "f0": {"Hz": 1.0, "": 1.0, "kHz": 1e3},
     "duration": {"ms": 1e3, "us": 1.0, "s": 1e6},
 }
-"""Factors to multiples of g, Hz and us, by column and unit."""
+"""Factors to multiples of gravity, Hz and us, by column and unit."""
 ANSWERS = {
     **dict.fromkeys(("yes", "true", "1", 1), True),
     **dict.fromkeys(("no", "false", "0", 0), False),
@@ -114,6 +114,8 @@ def _keys(head, numbers, words):
 def _scale(word, key, numbers):
     """Return the factor of a column of numbers by the unit in its head; 1 for a column of words."""
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
+    if unit and [*units] == [""]:
+        raise ValueError(f"header {word!r}: {key} has no unit, as it counts multiples of gravity")
     if unit not in units:
         what = f"unit {unit!r} is unknown" if unit else "names no unit"
         raise ValueError(f"header {word!r} {what}; write one such as {key} ({next(iter(units))})")

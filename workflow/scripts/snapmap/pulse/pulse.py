@@ -17,6 +17,8 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 Series = Annotated[
     np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
 ]
+G = 9.80665e-6
+"""What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NO_JUMP = 1e-12
 """Largest value over the peak at which the begin or end of a pulse is no jump."""
 AT_REST, BASELINE = 0.05, 0.005
@@ -38,9 +40,8 @@ class Pulse:
     """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
     duration: us, of a recorded shock, train or drop; None where f0 sets it
-    peak: um/us^2, of a recorded shock in known units; else NaN
+    peak: um/us^2, of a recorded shock in known units or of a drop from its height; else NaN
     notes: warnings about a recorded shock
-    own_N: N of a drop from its height; None for other pulses
 
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
     """
@@ -59,7 +60,6 @@ class Pulse:
     """Share of the duration that the fastest change of a train takes; 1 for other pulses."""
     strongest: "Pulse | None" = None
     """The blow of a train that changes the velocity most, in units of the train's peak."""
-    own_N: float | None = None
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -82,7 +82,7 @@ class Pulse:
     @property
     def is_of_frame(self) -> bool:
         """Whether the amplitude is known: of a record in known units, or of a drop."""
-        return self.own_N is not None or bool(np.isfinite(self.peak))
+        return bool(np.isfinite(self.peak))
 
     @property
     def alone(self) -> "Pulse":
@@ -178,12 +178,15 @@ class Pulse:
             a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
         return np.where((x >= 0) & (x <= 1), a, 0.0)
 
-    def doubts(self, own_frequency: float, lasts: float) -> list[str]:
-        """Return a line for each doubt whether a recorded shock is good enough for a device.
+    def doubts(self, own_frequency: float, lasts: float, gravity: float) -> list[str]:
+        """Return a line for each doubt whether a shock is good enough for a device.
 
-        own_frequency: `Device.own_frequency`, rad/us; lasts: duration in the study, us
+        own_frequency, gravity: of the `Device`, rad/us and um/us^2; lasts: in the study, us
         """
         lines, period = list(self.notes), 2 * np.pi / own_frequency
+        if self.blows.size and self.is_of_frame:
+            N = f"N = {self.peak / gravity:.5g}"
+            lines.append(f"{N} is the fall from its height; another N scales the whole record")
         step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
         if self.duration is not None and not self.blows.size and step * COARSE > period:
             lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")

@@ -180,7 +180,7 @@ def _group(row, shocks, known):
 def _level(row, pulse, device):
     if pulse.is_of_frame and device.force:
         raise ValueError("file: a record shakes the frame; write gravity, not device.force")
-    N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
+    N = row.get("N") or pulse.peak / device.gravity
     if math.isnan(N):
         raise ValueError("N: missing; write multiples of g")
     return N
