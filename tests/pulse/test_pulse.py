@@ -213,3 +213,49 @@ def test_blows_far_apart_with_damping_are_blows_alone(handout):
     for key in ("N_static", "velocity_change"):
         assert two[key].item() == pytest.approx(pulse[key].item(), rel=1e-9)
     assert "blow" not in pulse and alone.blow == 1
+
+
+ROW = "0,0\n0.1,5\n0.2,9\n"
+REST = "0.3,0\n"
+MISWRITTEN = {
+    "time (ms),a (g)\n" + ROW + "0.2,9\n" + REST: "line 5: time is that of the one before; remove",
+    "#\ntime (ms),a (g)\n\n" + ROW + "0.1,9\n" + REST: "line 7: time is below that of .*; sort",
+    "time (ms),a (g)\n0.0,0.0,\n0.1,5.0,\n0.2,0.0,\n": "line 2: has 3 columns; write 2",
+    "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write decimals with a po",
+    "Logger\ntime (ms),a (g)\n" + ROW + REST: "line 1: the header has 1 columns; write 2,",
+    "time (ms),a (g) x1e3\n" + ROW + REST: r"'a \(g\) x1e3' does not end with a unit; write",
+    "time (ms) /10;a [g]\n": r"'time \(ms\) /10' does not end with a unit; write",
+}
+
+
+@pytest.mark.parametrize("text", MISWRITTEN)
+def test_a_record_that_is_miswritten_is_refused_with_a_remedy_that_helps(tmp_path, text):
+    (tmp_path / "shock.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=rf"shock\.csv: .*{MISWRITTEN[text]}"):
+        snapmap.read_pulse(tmp_path / "shock.csv")
+
+
+@pytest.mark.parametrize("head", ["", "# Logger\n# 10 kHz, g\n", "#\n# "])
+def test_comments_before_the_header_of_a_record_are_left_out(tmp_path, head):
+    (tmp_path / "shock.csv").write_text(f"{head}time (ms),CH (1) [g]\n{ROW}{REST}", "utf-8")
+    pulse = snapmap.read_pulse(tmp_path / "shock.csv")
+    assert pulse.duration == pytest.approx(300.0) and pulse.peak == pytest.approx(9 * G)
+
+
+def test_a_record_of_a_sensor_beyond_its_range_is_told_from_others():
+    t = np.linspace(0, 2000, 1001)
+    x = np.clip((t - 200) / 500, 0, 1)
+    ringing = np.sin(np.pi * x) + 0.3 * np.exp(-t / 400) * np.sin(t / 20)
+    shocks = np.sin(np.pi * x), np.sin(np.pi * x) ** 2, -ringing, np.sin(2 * np.pi * x)
+    for whole in shocks:
+        for fine in (1, 4, 25):
+            assert "flat" not in " ".join(sampled(t[::fine], whole[::fine]).notes)
+        assert "flat" not in " ".join(sampled(t, np.round(whole * 127)).notes)
+    for share in (0.95, 0.7, 0.3):
+        for whole in shocks:
+            top = share * abs(whole).max()
+            record = np.clip(whole, -top, top)
+            note = sampled(t, record).notes[0]
+            assert re.match(r"is flat at its peak for [\d.]+ ms, as of a sensor beyond its", note)
+    (note,) = sampled(t, np.clip(shocks[0], -0.5, 0.5)).notes
+    assert "flat at its peak for 0.33 ms" in note

@@ -25,6 +25,9 @@ AT_REST, BASELINE = 0.05, 0.005
 """Share of the peak below which a recorded shock is over, and below which its offset should lie."""
 NOISE = 0.01
 """Root mean square of a record's noise over its peak above which it is reported."""
+FLAT, FLAT_SHARE, FEWEST_FLAT = 1e-3, 0.1, 4
+"""A record is flat where samples are so near its peak, for so large a share of the time above half
+of it, and at least so many steps; of an 8 bit record of a half sine the share is 0.08."""
 PULLED = 0.05
 """Share of a pulse up to which it may point away from the beam and the mass still stays there."""
 COARSE = 8.0
@@ -238,7 +241,9 @@ def sampled(
     if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
         raise ValueError("a sample is not a finite number")
     if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
-        raise ValueError(f"time of sample {wrong[0] + 2} is not after the one before; sort them")
+        same = time[wrong[0]] == time[wrong[0] + 1]
+        fault = "that of the one before; remove one" if same else "before the last; sort them"
+        raise ValueError(f"time of sample {wrong[0] + 2} is {fault}")
     peak, lasts = abs(acceleration).max(), time[-1] - time[0]
     if peak == 0:
         raise ValueError("the acceleration is 0 throughout; record a shock")
@@ -248,14 +253,18 @@ def sampled(
             f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
         )
     pieces = straight((time - time[0]) / lasts, values)
-    return Pulse(name, pieces, float(lasts), section={"shape": name}, notes=_notes(values))
+    return Pulse(name, pieces, float(lasts), section={"shape": name}, notes=_notes(time, values))
 
 
-def _notes(values):
-    """Return warnings about a record, values over its peak: of a jump, an offset, noise."""
+def _notes(time, values):
+    """Return warnings about a record, us and over its peak: a jump, a flat top, offset, noise."""
     notes = []
     if abs(values[0]) > AT_REST:
         notes.append(f"begins with a jump, at {values[0]:.0%} of its peak")
+    if (lasts := _flat_top(time, values)) > 0:
+        notes.append(
+            f"is flat at its peak for {1e-3 * lasts:.2g} ms, as of a sensor beyond its range"
+        )
     shock = np.flatnonzero(abs(values) > AT_REST)
     rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
     for when, quiet in rests.items():
@@ -272,6 +281,24 @@ def _notes(values):
     if noise > NOISE and np.sum(rough[1:] * rough[:-1]) < -square / 3:
         notes.append(f"has noise of {noise:.1%} of its peak, and N scales that peak; filter it")
     return tuple(notes)
+
+
+def _flat_top(time, values):
+    """Return how long a record, us and over its peak, stays at its peak; 0 for a usual top."""
+    sign = np.sign(values[abs(values).argmax()])
+
+    def longest(level):
+        """Ends of the longest row of samples at this level or above."""
+        above = np.concatenate([[0], sign * values >= level, [0]])
+        begins, ends = np.flatnonzero(np.diff(above) > 0), np.flatnonzero(np.diff(above) < 0) - 1
+        row = np.argmax(time[ends] - time[begins])
+        return begins[row], ends[row]
+
+    begin, end = longest(1 - FLAT)
+    first, last = longest(0.5)
+    lasts = time[end] - time[begin]
+    is_flat = end - begin >= FEWEST_FLAT and lasts > FLAT_SHARE * (time[last] - time[first])
+    return lasts if is_flat else 0.0
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:

@@ -42,7 +42,8 @@ def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
     with naming(path):
         content = read_named(path, *RECORD, sha256)
         columns = {"time": TIMES, "acceleration": ACCELERATIONS}
-        time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
+        table = read_table(content, columns, most=MOST_SAMPLES, rising="time")
+        time, acceleration = table.values()
         if not is_name(path.stem):
             raise ValueError(f"its name stands in tables; rename it, in {NAME}")
         pulse = sampled(time, acceleration, path.stem)
