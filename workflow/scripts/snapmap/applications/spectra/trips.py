@@ -50,7 +50,8 @@ def srs_test(
     seed: of the random records
     options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
     The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and
-    `peak` (multiples of g), `duration` (us) and `deviation` from the spectrum (dB) over `record`.
+    `peak` (g), `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign)
+    over `record`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
@@ -90,7 +91,7 @@ def trips_of(
     data = {
         "peak": ("record", peaks),
         "duration": ("record", [pulse.duration for pulse in pulses]),
-        "deviation": ("record", [abs(deviation).max() for deviation in deviations]),
+        "deviation": ("record", [dB[abs(dB).argmax()] for dB in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
