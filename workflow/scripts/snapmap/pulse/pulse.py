@@ -17,6 +17,10 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 Series = Annotated[
     np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
 ]
+Times = Annotated[
+    np.ndarray,
+    Argument("a row of numbers in us", lambda value: numbers(value, "us") is not None, numbers),
+]
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NO_JUMP = 1e-12
@@ -223,7 +227,7 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def sampled(
-    time: Series, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
+    time: Times, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
 ) -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 

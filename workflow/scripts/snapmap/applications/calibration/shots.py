@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...device.checks import numbers
+from ...device.checks import numbers, shown, unit_of
 from ...device.device import Device, is_bistable
 from ...device.quantities import QUANTITIES
 from ...files.named import naming, read_named
@@ -76,6 +76,10 @@ def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.nda
     Shots with a file need no N.
     """
     table = read_shots(shots) if isinstance(shots, str | Path) else shots
+    for key in SHOCKS:
+        unit = QUANTITIES[key].unit
+        if key in table and unit_of(table[key]) and numbers(table[key], unit) is None:
+            raise ValueError(f"shots: {key}: {shown(table[key])} is not in {unit or 'multiples'}")
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
