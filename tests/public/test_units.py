@@ -1,5 +1,6 @@
 """Numbers with units are refused where they are another unit's, and SI numbers are doubted."""
 
+import math
 import re
 import warnings
 
@@ -126,3 +127,5 @@ def test_SI_numbers_are_doubted_when_they_are_made():
         for span in (20.0, 600.0, 20_000.0):
             shape = SIZES | {"span": span, "thickness": 0.05}
             snapmap.Device(snapmap.Beam(**shape, **STUFF), **MOVES | {"gravity": 1e-6})
+        pushed = {"mass": 0.0, "gap": math.inf, "gravity": 1.0, "force": 2.0}
+        snapmap.Device(snapmap.Beam(**SIZES, **STUFF), **MOVES | pushed)

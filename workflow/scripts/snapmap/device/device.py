@@ -87,7 +87,8 @@ class Device:
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: need a mass; leave them out"
         require(~(alone & self.has_stops), stopped)
-        warn_of_si("", "gravity", vars(self))
+        if not np.any(self.force):  # under which gravity has no effect
+            warn_of_si("", "gravity", vars(self))
         if np.any(self.has_electrode):
             closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
             rest = self.beam.height
