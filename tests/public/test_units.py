@@ -119,8 +119,8 @@ def test_SI_numbers_are_doubted_when_they_are_made():
         beam = snapmap.Beam(**sizes, youngs_modulus=150e9, density=2330.0)
     assert [line.filename for line in told] == [__file__]
     words = str(told[0].message)
-    named = r"span = 0.0006 um, rise = 1e-05 um, .*youngs_modulus = 1.5e\+11 MPa, density = 2330 ng"
-    assert re.match(rf"device\.beam: {named}/um\^3: is this SI\? numbers are in um, ng, us", words)
+    named = r"density = 2330 ng/um\^3, .*, span = 0.0006 um, .*, youngs_modulus = 1.5e\+11 MPa"
+    assert re.match(rf"device\.beam: {named}: is this SI\? numbers are in um, ng, us", words)
     with pytest.warns(UserWarning, match=r"^device\.gravity = 9.81 um/us\^2: is this SI\?"):
         snapmap.Device(beam, **MOVES | {"gravity": 9.81})
     with warnings.catch_warnings(action="error"):

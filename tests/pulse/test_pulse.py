@@ -219,7 +219,7 @@ ROW = "0,0\n0.1,5\n0.2,9\n"
 REST = "0.3,0\n"
 MISWRITTEN = {
     "time (ms),a (g)\n" + ROW + "0.2,9\n" + REST: "line 5: time is that of the one before; remove",
-    "#\ntime (ms),a (g)\n\n" + ROW + "0.1,9\n" + REST: "line 7: time is below that of .*; sort",
+    "#\ntime (ms),a (g)\n\n" + ROW + "0.1,9\n" + REST: "line 7: time is before the last; sort",
     "time (ms),a (g)\n0.0,0.0,\n0.1,5.0,\n0.2,0.0,\n": "line 2: has 3 columns; write 2",
     "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write decimals with a po",
     "Logger\ntime (ms),a (g)\n" + ROW + REST: "line 1: the header has 1 columns; write 2,",
@@ -233,6 +233,12 @@ def test_a_record_that_is_miswritten_is_refused_with_a_remedy_that_helps(tmp_pat
     (tmp_path / "shock.csv").write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=rf"shock\.csv: .*{MISWRITTEN[text]}"):
         snapmap.read_pulse(tmp_path / "shock.csv")
+
+
+def test_samples_that_do_not_ascend_are_named():
+    for time, fault in (([0, 1, 1, 2], "that of the one bef"), ([0, 2, 1, 3], "before the last")):
+        with pytest.raises(ValueError, match=f"sample 3: time is {fault}"):
+            sampled(time, [0.0, 1.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("head", ["", "# Logger\n# 10 kHz, g\n", "#\n# "])

@@ -57,21 +57,18 @@ def shown(value: object) -> str:
 def warn_of_si(section: str, sign: str, values: Mapping[str, object]) -> None:
     """Warn, in one line, if the number of a section's `sign` would be usual in SI only.
 
-    values: numbers by name; those of arrays are left out, as their devices have been made before
+    values: numbers by name; arrays are left out, as their devices have been made before
     """
-    alike = [name for name, value in values.items() if _is_in_si(name, value)]
+    alike = {}
+    for name in values.keys() & QUANTITIES.keys():
+        value, unit = values[name], QUANTITIES[name].unit
+        low, high = LENGTHS if unit == "um" else QUANTITIES[name].usual
+        if type(value) in (int, float) and unit in IN_SI and not low <= value <= high:
+            alike |= {name: unit} if low <= value * IN_SI[unit] <= high else {}
     if sign in alike:
-        words = ", ".join(f"{name} = {values[name]:g} {QUANTITIES[name].unit}" for name in alike)
+        words = ", ".join(f"{name} = {values[name]:g} {alike[name]}" for name in sorted(alike))
         line = f"device.{section}{words}: is this SI? numbers are in um, ng, us, and hence MPa"
         warnings.warn(line, stacklevel=4)
-
-
-def _is_in_si(name, value):
-    quantity = QUANTITIES.get(name)
-    if type(value) not in (int, float) or not quantity or quantity.unit not in IN_SI:
-        return False
-    low, high = LENGTHS if quantity.unit == "um" else quantity.usual
-    return not low <= value <= high and low <= value * IN_SI[quantity.unit] <= high
 
 
 def require_quantity(name: str, value: np.ndarray, within: Bounds | None = None) -> None:

@@ -102,13 +102,18 @@ def read_table(
             place = f"line {comments + line + 2}, column {key}"
             raise ValueError(f"{place}: {word!r} is {need}{remedy}")
     if rising:
-        steps = np.diff(columns[rising])
-        for place in np.flatnonzero(~(steps > 0)):
-            fault = "is below that of the one before; sort them"
-            if steps[place] == 0:
-                fault = "is that of the one before; remove one of them"
-            raise ValueError(f"line {comments + table.index[place + 1] + 2}: {rising} {fault}")
+        lines = comments + table.index.to_numpy() + 2
+        require_rising(columns[rising], rising, "line", lines)
     return columns
+
+
+def require_rising(values: np.ndarray, name: str, what: str, numbers: np.ndarray) -> None:
+    """Raise ValueError, one line, unless values ascend; numbers: of what has each of them."""
+    steps = np.diff(values)
+    for place in np.flatnonzero(steps <= 0):
+        is_same = steps[place] == 0
+        fault = "that of the one before; remove one" if is_same else "before the last; sort them"
+        raise ValueError(f"{what} {numbers[place + 1]}: {name} is {fault}")
 
 
 def _without_comments(content):

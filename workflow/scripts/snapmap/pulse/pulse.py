@@ -9,6 +9,7 @@ import numpy as np
 
 from ..device.argument import Argument, of_type
 from ..device.checks import numbers
+from ..files.tables import require_rising
 from ..numerics import portable
 
 VERSED_SINE = "versed sine"
@@ -17,10 +18,8 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 Series = Annotated[
     np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
 ]
-Times = Annotated[
-    np.ndarray,
-    Argument("a row of numbers in us", lambda value: numbers(value, "us") is not None, numbers),
-]
+_IN_US = Argument("a row of numbers in us", lambda v: numbers(v, "us") is not None, numbers)
+Times = Annotated[np.ndarray, _IN_US]
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NO_JUMP = 1e-12
@@ -244,10 +243,7 @@ def sampled(
         raise ValueError("time and acceleration are not two rows of two samples or more")
     if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
         raise ValueError("a sample is not a finite number")
-    if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
-        same = time[wrong[0]] == time[wrong[0] + 1]
-        fault = "that of the one before; remove one" if same else "before the last; sort them"
-        raise ValueError(f"time of sample {wrong[0] + 2} is {fault}")
+    require_rising(time, "time", "sample", np.arange(1, time.size + 1))
     peak, lasts = abs(acceleration).max(), time[-1] - time[0]
     if peak == 0:
         raise ValueError("the acceleration is 0 throughout; record a shock")
@@ -266,9 +262,8 @@ def _notes(time, values):
     if abs(values[0]) > AT_REST:
         notes.append(f"begins with a jump, at {values[0]:.0%} of its peak")
     if (lasts := _flat_top(time, values)) > 0:
-        notes.append(
-            f"is flat at its peak for {1e-3 * lasts:.2g} ms, as of a sensor beyond its range"
-        )
+        flat = f"is flat at its peak for {1e-3 * lasts:.2g} ms"
+        notes.append(f"{flat}, as of a sensor beyond its range")
     shock = np.flatnonzero(abs(values) > AT_REST)
     rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
     for when, quiet in rests.items():
@@ -289,20 +284,13 @@ def _notes(time, values):
 
 def _flat_top(time, values):
     """Return how long a record, us and over its peak, stays at its peak; 0 for a usual top."""
-    sign = np.sign(values[abs(values).argmax()])
-
-    def longest(level):
-        """Ends of the longest row of samples at this level or above."""
-        above = np.concatenate([[0], sign * values >= level, [0]])
+    values = values * np.sign(values[abs(values).argmax()])
+    spans = []
+    for level, fewest in ((1 - FLAT, FEWEST_FLAT), (0.5, 0)):
+        above = np.concatenate([[0], values >= level, [0]])
         begins, ends = np.flatnonzero(np.diff(above) > 0), np.flatnonzero(np.diff(above) < 0) - 1
-        row = np.argmax(time[ends] - time[begins])
-        return begins[row], ends[row]
-
-    begin, end = longest(1 - FLAT)
-    first, last = longest(0.5)
-    lasts = time[end] - time[begin]
-    is_flat = end - begin >= FEWEST_FLAT and lasts > FLAT_SHARE * (time[last] - time[first])
-    return lasts if is_flat else 0.0
+        spans.append(max(np.where(ends - begins >= fewest, time[ends] - time[begins], 0.0)))
+    return spans[0] if spans[0] > FLAT_SHARE * spans[1] else 0.0
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
