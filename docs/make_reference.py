@@ -19,7 +19,9 @@ PAGE = """\
 
 With this page you can look up every function of `snapmap`, its arguments and what it returns. Units
 are um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us; frequencies are in Hz, N in
-multiples of g, C in uN us/um, temperatures in degC, thermal coefficients in 1/K.
+multiples of g, the `gravity` of the device, C in uN us/um, temperatures in degC, thermal
+coefficients in 1/K. Objects with units (pint, astropy, unyt) are refused, and variables of xarray
+whose `units` are others.
 Examples with a `device` begin with
 
 ```pycon

@@ -126,6 +126,39 @@ def test_the_notebook_runs(root, tmp_path, monkeypatch):
     assert own.t_snap.sel(C=0.0).where(edges.N_first * 0.9 > own.N).isnull().all()
 
 
+def with_universal_file(monkeypatch, lasts, time, acceleration, types):
+    """Have `pyuff` read a file of such sets, of which those of type 58 are records."""
+    units = {"abscissa_axis_units_lab": f"{time} ", "ordinate_axis_units_lab": acceleration}
+    record = {"x": np.linspace(0.0, lasts, 5), "data": np.array([0.0, 7.0, 9.0, 7.0, 0.0]) + 0j}
+    sets = [units | record if kind == 58 else {"type": kind} for kind in types]
+    file = SimpleNamespace(read_sets=sets.__getitem__, get_set_types=lambda: np.array(types))
+    monkeypatch.setitem(sys.modules, "pyuff", SimpleNamespace(UFF=lambda path: file))
+
+
+UNIVERSAL = (
+    (1e-3, "s", "g", [58], 9 * 9.80665e-6),
+    (1.0, "ms", "m/s2", [151, 164, 58, 58], 9e-6),
+    (1e-3, "s", "NONE", [151, 58], None),
+)
+
+
+@pytest.mark.parametrize(("lasts", "time", "acceleration", "types", "peak"), UNIVERSAL)
+def test_a_universal_file_becomes_a_record_in_the_units_that_it_names(
+    root, tmp_path, monkeypatch, lasts, time, acceleration, types, peak
+):
+    monkeypatch.chdir(tmp_path)
+    with_universal_file(monkeypatch, lasts, time, acceleration, types)
+    text = (root / "docs" / "recipes.md").read_text(encoding="utf-8")
+    (recipe,) = (block for block in blocks(text, "python") if "pyuff" in block)
+    exec(recipe, {})
+    if peak is None:
+        with pytest.raises(ValueError, match="unit 'NONE' is unknown; write one such as"):
+            snapmap.read_pulse("shock.csv")
+        return
+    pulse = snapmap.read_pulse("shock.csv")
+    assert (pulse.duration, pulse.peak) == (pytest.approx(1000.0), pytest.approx(peak))
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("page", ["README.md", *(f"docs/{name}.md" for name in IN_PYTHON)])
 def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
@@ -138,9 +171,7 @@ def test_the_recipes_in_python_run(root, handout, tmp_path, monkeypatch, page):
     write(snapmap.sweep(handout, [900.0, 1100.0], **rows), tmp_path / "results" / "cube.nc")
     write(snapmap.threshold(handout, **rows), tmp_path / "results" / "threshold.nc")
     (tmp_path / "shots.csv").write_text(SHOTS)
-    record = {"x": np.linspace(0.0, 1e-3, 5), "data": np.array([0.0, 7.0, 9.0, 7.0, 0.0]) + 0j}
-    file = SimpleNamespace(read_sets=lambda number: record)
-    monkeypatch.setitem(sys.modules, "pyuff", SimpleNamespace(UFF=lambda path: file))
+    with_universal_file(monkeypatch, 1e-3, "s", "g", [58])
     known = {"snapmap": snapmap, "device": handout, "shots": "shots.csv"}
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     for block in blocks((root / page).read_text(encoding="utf-8"), "python"):

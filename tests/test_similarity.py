@@ -1,12 +1,20 @@
 """Other units of length, mass and time, and samples more than are needed, change no result."""
 
+import math
+
 import numpy as np
 import pytest
+import yaml
+from small_studies import changed
 from varied import varied
 
 import snapmap
+from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.pulse.pulse import sampled
+from snapmap.config.points import read_points
+from snapmap.config.study import load_config
+from snapmap.pulse.pulse import N_of_g, sampled
+from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
@@ -69,3 +77,73 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     search = rows, (0.5 * static, 6.0 * static), settings, 1e-5
     coarse, fine = (lowest_snap(each, *search) for each in (model, model.with_step(0.25)))
     np.testing.assert_allclose(coarse, fine, rtol=2e-4)
+
+
+RATIO = 9.81
+IN_G = """
+device:
+  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
+    density: 2330 kg/m^3}
+  mass: 1e-8 kg
+  spring: 5.5 N/m
+  contact: 40 N/m
+  gravity: 9.81 m/s^2
+model: {name: cosines, modes: 3}
+sweep: {N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um], horizon: 100 us, until: snap}
+requirements:
+  - {name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}
+  - {name: fall, drop: {height: 3 mm, shape: half sine, duration: 0.05 ms}, snaps: false}
+  - {name: spectrum, srs: [[500 Hz, 900 g], [2 kHz, 1900 g]], snaps: true}
+  - {name: random, psd: [[200 Hz, 25 g^2/Hz], [2 kHz, 25 g^2/Hz]], duration: 20 ms, snaps: true}
+"""
+
+
+@pytest.fixture(scope="module")
+def studies():
+    """A study, and the same whose N counts multiples of 1 m/s^2."""
+    document = yaml.safe_load(IN_G)
+    shock = dict(document["requirements"][0], N=1100 * RATIO)
+    other = changed(document, device__gravity="1 m/s^2", sweep__N=[900 * RATIO, 1100 * RATIO])
+    return load_config(document), load_config(
+        {**other, "requirements": [shock, *document["requirements"][1:]]}
+    )
+
+
+def test_another_unit_of_N_changes_no_verdict_and_no_margin(studies):
+    def judged(study):
+        required, C = study.requests["requirements"], [25.0]
+        return [row for each in required for row, _ in each.check(study.of_thresholds(), C)]
+
+    in_g, in_m_s2 = map(judged, studies)
+    assert {row.verdict for row in in_g} >= {"met", "failed"}
+    for row, other in zip(in_g, in_m_s2, strict=True):
+        by = 1.0 if row.shape in ("spectrum", "random") else RATIO
+        assert (other.verdict, other.outcome) == (row.verdict, row.outcome)
+        assert math.isclose(other.N, by * row.N, rel_tol=1e-9)
+        assert abs(other.margin - row.margin) <= 0.1 * row.margin_error
+    fall = in_g[1]
+    assert fall.scale == pytest.approx(1) and fall.scale_first == pytest.approx(fall.margin)
+    peak = math.sqrt(2 * 9.80665 * 3e-3) * math.pi / 2 / 0.05e-3
+    assert math.isclose(fall.N, peak / 9.81, rel_tol=1e-9)
+    for study, N in zip(studies, (fall.N, fall.N * RATIO), strict=True):
+        pulse = study.requests["requirements"][1].values["shocks"].pulse
+        (line, *_) = pulse.doubts(1.0, pulse.duration, study.device.gravity)
+        assert f"N = {N:.5g} is the fall from its height" in line
+
+
+def test_a_shot_of_a_drop_has_the_level_of_its_height_in_the_unit_of_N(studies):
+    of_drop = make_shocks({"drop": {"height": 3000.0, "duration": 50.0}})
+    table = {"N": [math.nan, 1.0, 1e9], "tripped": [True, False, True]}
+    shots = [shots_from(table, of_drop, study.device).N[0] for study in studies]
+    assert shots[0] * 9.81e-6 == pytest.approx(of_drop.pulse.peak)
+    assert shots[1] == pytest.approx(RATIO * shots[0])
+
+
+def test_a_column_of_N_in_g_is_converted_to_the_unit_of_N(tmp_path, studies):
+    """Where gravity is that of the earth, N counts multiples of g as they stand."""
+    for name in ("points.csv", "shots.csv"):
+        (tmp_path / name).write_text("N (g),f0 (Hz)\n1000,400\n", encoding="utf-8")
+    for study, N in zip(studies, (1000.0, 9806.65), strict=True):
+        of_g = N_of_g(study.device.gravity)
+        (point,) = read_points(tmp_path / "points.csv", N_of_g=of_g)
+        assert [point.N] == read_shots(tmp_path / "shots.csv", N_of_g=of_g)["N"] == pytest.approx(N)

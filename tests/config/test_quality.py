@@ -1,6 +1,7 @@
 """Quality factors: what a config gives is what a free decay measures; frequencies likewise."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -131,12 +132,46 @@ DAMPED = {"device__quality_factor": MISSING, "sweep__C": ["0 kg/s", "0.025 kg/s"
 STOPPED = "device: stops.toward: 18 um stops the mass before"
 
 
+BARELY = {"device__beam__rise": "4.8 um", "device__gap": "0 um"}
+SCATTERED = {"tolerances": {"thickness": "0.1 um", "rise": "0.2 um", "N": "3 %", "samples": 512}}
+
+
+def doubted(word, **values):
+    """The lines of `doubts` that have a word."""
+    return [line for line in doubts(load_config(changed(DOCUMENT, **values))) if word in line]
+
+
+def test_a_device_that_hardly_has_a_second_shape_is_doubted():
+    (line,) = doubted("hardly bistable", **BARELY)
+    assert "rise/thickness = 2.4 is near 2.31, below which there is no second shape" in line
+    back, there = re.search(r"back is ([\d.]+) pJ of ([\d.]+) pJ there", line).groups()
+    assert 0 < float(back) < 0.02 * float(there)
+    pulled = {"device__beam__rise": "10 um", "device__beam__residual_stress": "62 MPa"}
+    (line,) = doubted("hardly bistable", **pulled)
+    assert "rise/thickness = 5 is near 4.79" in line  # whose most_stress is 62 MPa
+    for usual in ({}, {"device__beam__rise": "6 um"}, {"device__beam__residual_stress": "-40 MPa"}):
+        assert not doubted("hardly bistable", **usual)
+
+
+def test_devices_as_made_without_a_second_shape_are_doubted():
+    (line,) = doubted("as made", **BARELY, **SCATTERED)
+    lost = re.fullmatch(r"device: (\d+) of 512 devices as made have no second stable shape", line)
+    # The scatters make rise - 4/sqrt(3) thickness a normal number.
+    mean, spread = 4.8 - 8 / math.sqrt(3), math.hypot(0.2, 0.4 / math.sqrt(3))
+    share = 0.5 * math.erfc(mean / spread / math.sqrt(2))
+    assert int(lost[1]) / 512 == pytest.approx(share, abs=0.03)
+    assert not doubted("as made", **SCATTERED) and not doubted("as made", tolerances={"N": "3 %"})
+    wide = {"thickness": {"uniform": "2.1 um"}, "samples": 64}
+    (line,) = doubted("impossible", tolerances=wide)
+    assert line.startswith("device: tolerances.thickness: a sample has the impossible value")
+
+
 @pytest.mark.parametrize(
     ("values", "told"),
     [
         ({"device__beam__span": "800 mm"}, ["span/thickness = 400000"]),
         ({"device__beam__span": "60 um"}, [NOT_SHALLOW]),
-        (THICK, [NOT_SHALLOW, "span/thickness = 15"]),
+        (THICK, [NOT_SHALLOW, "span/thickness = 15", "device: hardly bistable: "]),
         ({"device__beam__depth": "22 mm"}, ["depth/span = 36.7"]),
         ({"device__beam__depth": "22 nm"}, ["depth/thickness = 0.011"]),
         ({"sweep__thickness": ["2 um", "0.1 um"]}, ["span/thickness = 6000"]),
@@ -153,7 +188,6 @@ STOPPED = "device: stops.toward: 18 um stops the mass before"
     ],
 )
 def test_what_is_hardly_meant_is_told_and_nothing_else(values, told):
-    doubted = doubts(load_config(changed(DOCUMENT, **values)))
-    lines = [line for line in doubted if "guided" not in line]
+    lines = [line for line in doubted("", **values) if "guided" not in line]
     assert len(lines) == len(told)
     assert all(line.startswith(start) for line, start in zip(lines, told, strict=True))

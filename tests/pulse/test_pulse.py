@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 from varied import varied
 
 import snapmap
-from snapmap.pulse.pulse import SHAPES, Pulse, blow_at, make_pulse, sampled
-from snapmap.pulse.trains import GRAVITY, make_drop, make_train
+from snapmap.pulse.pulse import SHAPES, G, Pulse, blow_at, make_pulse, sampled
+from snapmap.pulse.trains import make_drop, make_train
 from snapmap.solver.models import build_model
 
 BLOW = {"shape": "half sine", "duration": 500.0}
@@ -51,9 +51,9 @@ def test_a_pulse_made_by_hand_is_right_or_refused_in_a_line():
         for pieces in wrong:
             with pytest.raises(ValueError, match=rf"\Apulse: pieces .*{fault}.*\Z"):
                 Pulse("mine", pieces)
-    for key, value in itertools.product(("duration", "own_N"), (0.0, -1.0, np.nan, "1 ms")):
-        with pytest.raises(ValueError, match=rf"\Apulse: {key} .* is not a number above 0"):
-            Pulse("mine", PIECES, **{key: value})
+    for value in (0.0, -1.0, np.nan, "1 ms"):
+        with pytest.raises(ValueError, match=r"\Apulse: duration .* is not a number above 0"):
+            Pulse("mine", PIECES, duration=value)
     with pytest.raises(ValueError, match=r"\Apulse: name 3 is not text\Z"):
         Pulse(3, PIECES)
 
@@ -66,7 +66,7 @@ def test_a_record_that_pulls_is_judged_as_one_that_presses():
     assert sampled([0.0, 1.0, 3.0, 4.0], [0.0, 1.0, -1.0, 0.0]).gross_area >= 0.5
     for samples, is_coarse in ((16, False), (4, True)):
         time = np.linspace(0.0, 2 * np.pi, samples + 1)  # a period of the device
-        lines = sampled(time, np.sin(time / 2)).doubts(1.0, time[-1])
+        lines = sampled(time, np.sin(time / 2)).doubts(1.0, time[-1], 9.81e-6)
         assert any("coarse" in line for line in lines) == is_coarse
 
 
@@ -210,17 +210,17 @@ def test_a_train_is_its_blows_at_their_times():
 def test_a_drop_changes_the_velocity_as_its_height_and_rebound_say(shape, rebound):
     height, lasts = 2e4, 400.0
     pulse = make_drop({"height": height, "duration": lasts, "shape": shape, "rebound": rebound})
-    velocity = math.sqrt(2 * GRAVITY * height)
-    unit, back = pulse.own_N * GRAVITY / velocity, rebound ** np.arange(pulse.blows.size)
-    assert pulse.blows[0] * pulse.duration == pytest.approx(velocity / GRAVITY, rel=1e-12)
-    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-1 / pulse.own_N, rel=1e-9)
+    velocity = math.sqrt(2 * G * height)
+    unit, back = pulse.peak / velocity, rebound ** np.arange(pulse.blows.size)
+    assert pulse.blows[0] * pulse.duration == pytest.approx(velocity / G, rel=1e-12)
+    assert pulse.at(pulse.blows[0] - 1e-9) == pytest.approx(-G / pulse.peak, rel=1e-9)
     assert unit * pulse.impact * pulse.duration == pytest.approx(1 + rebound)
     changes = (1 + rebound) * back - 2 * np.append(back[1:], 0)
     np.testing.assert_allclose(unit * areas(pulse), changes, rtol=1e-9)
     assert pulse.blows.size == (3 if rebound else 1)
     assert unit * pulse.area * pulse.duration == pytest.approx(back[-1] * rebound)
     flights = np.diff(pulse.blows * pulse.duration) - lasts
-    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / GRAVITY, rtol=1e-3)
+    np.testing.assert_allclose(flights, 2 * back[1:] * velocity / G, rtol=1e-3)
 
 
 @pytest.mark.parametrize(("apart", "share"), [(1.0, 1.0), (0.5, 0.0), (1.25, 0.5**0.5)])
@@ -253,3 +253,55 @@ def test_blows_far_apart_with_damping_are_blows_alone(handout):
     for key in ("N_static", "velocity_change"):
         assert two[key].item() == pytest.approx(pulse[key].item(), rel=1e-9)
     assert "blow" not in pulse and alone.blow == 1
+
+
+ROW = "0,0\n0.1,5\n0.2,9\n"
+REST = "0.3,0\n"
+MISWRITTEN = {
+    "time (ms),a (g)\n" + ROW + "0.2,9\n" + REST: "line 5: time is that of the one before; remove",
+    "#\ntime (ms),a (g)\n\n" + ROW + "0.1,9\n" + REST: "line 7: time is before the last; sort",
+    "time (ms),a (g)\n0.0,0.0,\n0.1,5.0,\n0.2,0.0,\n": "line 2: has 3 columns; write 2",
+    "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write decimals with a po",
+    "Logger\ntime (ms),a (g)\n" + ROW + REST: "line 1: the header has 1 columns; write 2,",
+    "time (ms),a (g) x1e3\n" + ROW + REST: r"'a \(g\) x1e3' does not end with a unit; write",
+    "time (ms) /10;a [g]\n": r"'time \(ms\) /10' does not end with a unit; write",
+}
+
+
+@pytest.mark.parametrize("text", MISWRITTEN)
+def test_a_record_that_is_miswritten_is_refused_with_a_remedy_that_helps(tmp_path, text):
+    (tmp_path / "shock.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=rf"shock\.csv: .*{MISWRITTEN[text]}"):
+        snapmap.read_pulse(tmp_path / "shock.csv")
+
+
+def test_samples_that_do_not_ascend_are_named():
+    for time, fault in (([0, 1, 1, 2], "that of the one bef"), ([0, 2, 1, 3], "before the last")):
+        with pytest.raises(ValueError, match=f"sample 3: time is {fault}"):
+            sampled(time, [0.0, 1.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize("head", ["", "# Logger\n# 10 kHz, g\n", "#\n# "])
+def test_comments_before_the_header_of_a_record_are_left_out(tmp_path, head):
+    (tmp_path / "shock.csv").write_text(f"{head}time (ms),CH (1) [g]\n{ROW}{REST}", "utf-8")
+    pulse = snapmap.read_pulse(tmp_path / "shock.csv")
+    assert pulse.duration == pytest.approx(300.0) and pulse.peak == pytest.approx(9 * G)
+
+
+def test_a_record_of_a_sensor_beyond_its_range_is_told_from_others():
+    t = np.linspace(0, 2000, 1001)
+    x = np.clip((t - 200) / 500, 0, 1)
+    ringing = np.sin(np.pi * x) + 0.3 * np.exp(-t / 400) * np.sin(t / 20)
+    shocks = np.sin(np.pi * x), np.sin(np.pi * x) ** 2, -ringing, np.sin(2 * np.pi * x)
+    for whole in shocks:
+        for fine in (1, 4, 25):
+            assert "flat" not in " ".join(sampled(t[::fine], whole[::fine]).notes)
+        assert "flat" not in " ".join(sampled(t, np.round(whole * 127)).notes)
+    for share in (0.95, 0.7, 0.3):
+        for whole in shocks:
+            top = share * abs(whole).max()
+            record = np.clip(whole, -top, top)
+            note = sampled(t, record).notes[0]
+            assert re.match(r"is flat at its peak for [\d.]+ ms, as of a sensor beyond its", note)
+    (note,) = sampled(t, np.clip(shocks[0], -0.5, 0.5)).notes
+    assert "flat at its peak for 0.33 ms" in note

@@ -29,7 +29,7 @@ def draw_study(
     """Draw the figures that every study has, in one job, as its start takes longer than a figure.
 
     views: figures by kind, as `products.Views` has them, in plain values
-    own_points: path and SHA-256 of a user's own points, or nothing
+    own_points: path and SHA-256 of a user's own points, and N of 1 g; or nothing
     applications: figures of applications and the files behind them, by the names of their folders
     folder: where figures are saved; threads: number of processes
     stress_path: path of the largest stresses, if beams have a strength

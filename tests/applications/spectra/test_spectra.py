@@ -48,8 +48,33 @@ def test_a_record_meets_its_spectrum_as_another_code_sees_it():
     spectrum = reference.srs(*samples(drawn), f, 10, **how)
     deviation = 20 * np.log10(spectrum / level(CRASH, f))
     np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
-    assert abs(deviation).max() < BAND / 2 and deviation.std() < 1.5
+    assert abs(deviation).max() < BAND == 3.0 and deviation.std() < 1.5
     assert drawn.pulse.duration < 1e6 * 11 / 100
+
+
+NOTCH = [(150.0, 80.0), (600.0, 900.0), (840.0, 180.0), (1200.0, 900.0), (4000.0, 900.0)]
+
+
+def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
+    f, duration = frequencies(150.0, 4000.0), []
+    for number in range(3):
+        drawn = record(check_points(NOTCH), [7, number])
+        spectrum = reference.srs(*samples(drawn), f, 10, ic="zero", parallel="no")
+        assert abs(20 * np.log10(spectrum / level(NOTCH, f))).max() < 3.1
+        duration.append(drawn.pulse.duration)
+    assert max(duration) < 1e6 * 11 / 150  # twice 11 half periods
+    deep = [(f, by * (0.2 if f == 840 else 1)) for f, by in NOTCH]
+    with pytest.raises(ValueError, match=r"^srs: no record meets it within 3 dB; write a smoother"):
+        record(check_points(deep), [7, 0])
+
+
+def test_the_deviation_of_a_record_keeps_its_sign(handout):
+    levels, cheap = [(500.0, 200.0), (5000.0, 200.0)], {"model": "cosines", "horizon": 0.0}
+    trips = snapmap.srs_test(handout, levels, [25.0], records=6, **cheap)
+    drawn = [record(check_points(levels), [1, number]).deviation for number in range(6)]
+    for dB, deviation in zip(trips.deviation.values, drawn, strict=True):
+        assert dB in (deviation.min(), deviation.max()) and abs(dB) == abs(deviation).max()
+    assert {*np.sign(trips.deviation.values)} == {-1.0, 1.0}
 
 
 def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():

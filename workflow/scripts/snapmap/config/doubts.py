@@ -6,14 +6,19 @@ import numpy as np
 
 from ..applications import gather
 from ..beam.cosines import buckling_shapes
-from ..beam.equilibria import find_barrier, shapes_of
-from ..device.device import Beam, Device
+from ..beam.equilibria import find_barrier, second_shape, shapes_of
+from ..device.device import Beam, Device, is_bistable
+from ..device.quantities import plain
 from ..study.study import Study
 from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
 
 IDLE = "has no effect without device.thermal; write modulus, mismatch or damping there"
+HARDLY = 0.05
+"""Barrier of the way back over that of the way there below which a device is hardly bistable."""
+LESS = np.linspace(0.8, 1, 1001)
+"""Shares of the rise of which the least with a second stable shape is told."""
 TILTING = 8
 """Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
@@ -49,7 +54,8 @@ def doubts(study: Study) -> list[str]:
     lines = implausible(study.grid.device, dampers(study), axes["f0"])
     lines += unusual_runs(N=axes["N"], horizon=study.settings.horizon)
     for name, device in study.devices().items():
-        remarks, force = [tilting(device.beam), stopped(device)], device.force
+        remarks = [barely(device), tilting(device.beam), stopped(device)]
+        force = device.force
         if force:
             remarks.append(
                 f"N counts multiples of {force:g} uN on the midpoint, also where a text says g"
@@ -60,10 +66,28 @@ def doubts(study: Study) -> list[str]:
         lines += [f"{name}: {line}" for line in remarks if line]
     slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
     for pulse in study.shocks.shapes.values():
-        lines += pulse.doubts(float(slowest), float(shortest))
+        lines += pulse.doubts(float(slowest), float(shortest), float(first.gravity))
     if study.own_points:
-        lines += outside(study.own_points[0], axes)
+        lines += outside(study.own_points, axes)
     return lines + [line for part in gather("doubts", study).values() for line in part]
+
+
+def barely(device: Device) -> str:
+    """Warn, in one line or an empty one, of a device that nearly has no second stable shape."""
+    beam, shapes = device.beam, shapes_of(device.beam)
+    there = find_barrier(beam, shapes).energy
+    back = there - float(second_shape(beam, shapes).energy)
+    if not 0 < back < HARDLY * there:
+        return ""
+    words = f"hardly bistable: the barrier of the way back is {back:.3g} pJ of {there:.3g} pJ there"
+    exists = is_bistable(device, {"rise": beam.rise * LESS}, LESS.size)
+    if not exists[0]:
+        least = LESS[exists].min()
+        words += (
+            f"; rise/thickness = {plain(beam.rise / beam.thickness)} is near "
+            f"{plain(least * beam.rise / beam.thickness, 3)}, below which there is no second shape"
+        )
+    return words
 
 
 def tilting(beam: Beam) -> str:
@@ -98,10 +122,10 @@ def stopped(device: Device) -> str:
     return ""
 
 
-def outside(path: str, axes: Mapping[str, np.ndarray]) -> list[str]:
+def outside(own_points: tuple, axes: Mapping[str, np.ndarray]) -> list[str]:
     """Name, in a line each, a user's own points that lie on no map."""
-    lines = []
-    for number, point in enumerate(read_points(path), start=1):
+    lines, path = [], own_points[0]
+    for number, point in enumerate(read_points(*own_points), start=1):
         for key, value in (("f0", point.f0), ("N", point.N)):
             low, high = axes[key].min(), axes[key].max()
             if not low <= value <= high:

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from ..device.device import ALONE, Device
+from ..device.device import ALONE, Device, is_bistable
 from ..device.quantities import QUANTITIES, plain
-from ..device.samples import Plan
+from ..device.samples import SHOCK_FACTORS, Plan
 
 STEEP = 0.05
 """Rise over span above which the assumption of a shallow arch raises forces by more than 1 %."""
@@ -66,6 +66,20 @@ def wide(plan: Plan) -> list[str]:
                 "width right?"
             )
     return lines
+
+
+def no_switches(device: Device, plan: Plan, samples: int, seed: int) -> list[str]:
+    """Warn, in a line, of devices as made that have no second shape, or cannot be made at all.
+
+    device: nominal; samples, seed: of the devices as made
+    """
+    try:
+        values = plan.values(plan.points(samples, seed)[0])
+    except ValueError as error:
+        return [str(error)]
+    of_device = {key: values[key] for key in values if key not in SHOCK_FACTORS}
+    lost = np.count_nonzero(~is_bistable(device, of_device, samples)) if of_device else 0
+    return [f"{lost} of {samples} devices as made have no second stable shape"] if lost else []
 
 
 def implausible(device: Device, C: np.ndarray | None, f0: np.ndarray) -> list[str]:

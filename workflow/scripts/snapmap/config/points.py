@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..files.named import naming, read_named
-from ..files.tables import ANSWERS, ROWS, SHOCKS, read_table
+from ..files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ..files.text import NAME, is_title, show
 
 
@@ -20,13 +20,15 @@ class Point(NamedTuple):
     snapped: bool | None
 
 
-def read_points(path: str | Path, sha256: str = "") -> tuple[Point, ...]:
+def read_points(path: str | Path, sha256: str = "", N_of_g: float = 1.0) -> tuple[Point, ...]:
     """Read a user's own points from a CSV file; raises ValueError, one line.
 
-    The columns are N; f0 (Hz) or duration (ms); optionally name, and snapped (yes, no or empty).
+    The columns are N, or N (g); f0 (Hz) or duration (ms); optionally name, and snapped (yes, no
+    or empty).
     sha256: hex digits that the file must have, as when the run was planned; empty for any
+    N_of_g: N of a shock of 1 g
     """
-    numbers = SHOCKS | {"duration": SHOCKS["duration"] | {"": 1e3}}
+    numbers = shocks_in(N_of_g) | {"duration": SHOCKS["duration"] | {"": 1e3}}
     words = {"name": None, "snapped": ANSWERS | {"": None}}
     with naming(path):
         content = read_named(path, *ROWS, sha256)

@@ -11,6 +11,7 @@ from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
+from ..pulse.pulse import N_of_g
 from ..pulse.shocks import HANDOUT_SHOCK
 from ..solver.laws import laws_of
 from ..solver.settings import SECOND, THRESHOLD_TOLERANCE
@@ -41,7 +42,7 @@ class Config(Study):
     requests: request to each application, by the name of its folder; false for no request
     threshold_tolerance: relative refinement of the thresholds in N
     maps, curves: figures of cells and of thresholds
-    own_points: path and SHA-256 of a user's own points on the maps, or ()
+    own_points: path and SHA-256 of a user's own points on the maps, and N of 1 g; or ()
     left_out: one line on maps that are not drawn, or an empty one
     measured: lines on shapes of beams that were read from files, by device and path
     title: head of the data sheet
@@ -55,7 +56,7 @@ class Config(Study):
     threshold_tolerance: float
     maps: tuple[View, ...]
     curves: tuple[View, ...]
-    own_points: tuple[str, str] | tuple[()]
+    own_points: tuple[str, str, float] | tuple[()]
     left_out: str
     measured: dict[tuple[str, str], str]
     title: str
@@ -92,7 +93,7 @@ class Config(Study):
         """Give the SHA-256 of each file that the config names, as it was read, by path."""
         recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
-        points = dict([self.own_points] if self.own_points else [])
+        points = dict([self.own_points[:2]] if self.own_points else [])
         laws = {self.model["laws"]: self.model["sha256"]} if "laws" in self.model else {}
         return recorded | shapes | points | laws | merge("files", self)
 
@@ -140,7 +141,7 @@ def load_config(document: Mapping) -> Config:
         threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
-        own_points=parts.marks or (),
+        own_points=(*parts.marks, N_of_g(nominal(device).gravity)) if parts.marks else (),
         left_out=left_out,
         measured={
             (name, section.beam.shape.file): f"{name}, {section.beam.measured}"

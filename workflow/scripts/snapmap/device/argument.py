@@ -12,8 +12,7 @@ from typing import Annotated, NamedTuple, get_args
 
 import numpy as np
 
-from ..files.text import show
-from .checks import numbers
+from .checks import numbers, shown
 from .quantities import Bounds, bounds_of
 
 
@@ -35,7 +34,7 @@ class Argument(NamedTuple):
     def take(self, name: str, value: object) -> object:
         """Convert a value; raises ValueError, one line with the name, if it does not fit."""
         if not self.fits(value):
-            raise ValueError(f"{name}: {show(value)} is not {self.need}")
+            raise ValueError(f"{name}: {shown(value)} is not {self.need}")
         return self.convert(value)
 
 
@@ -44,7 +43,7 @@ def number(within: str | Bounds, unit: str = "", example: str = "") -> Argument:
     within = bounds_of(within) if isinstance(within, str) else within
 
     def fits(value):
-        array = numbers(value)
+        array = numbers(value, unit)
         return array is not None and array.ndim == 0 and bool(within.holds(array))
 
     return Argument(_words("a number", within, unit, example), fits, as_plain)
@@ -54,7 +53,7 @@ def row(within: Bounds, unit: str, example: str) -> Argument:
     """Describe a number or several different ones, within bounds, in a unit."""
 
     def fits(value):
-        array = numbers(value)
+        array = numbers(value, unit)
         if array is None or array.ndim > 1 or not array.size or not within.holds(array).all():
             return False
         return np.unique(array).size == array.size

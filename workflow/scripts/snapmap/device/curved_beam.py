@@ -11,7 +11,7 @@ import numpy as np
 
 from ..files.text import show
 from .arch import Equilibria, equilibria, least_residual
-from .checks import numbers, require, require_quantity
+from .checks import numbers, require, require_quantity, warn_of_si
 from .quantities import QUANTITIES, bounds_of
 from .shape import BISTABILITY_LIMIT, TERMS, TILT, Value, coefficients, midpoint, modes_of
 
@@ -63,6 +63,7 @@ class Beam:
                 require_quantity(name, getattr(self, name), within)
         for holds, words, *values in self._rules():
             require(holds, f"device.beam.{words}", *values)
+        warn_of_si("beam: ", "span", vars(self))
 
     def _rules(self):
         """Yield conditions beyond the ranges, each with a complaint and the values it quotes."""

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields
 import numpy as np
 
 from ..files.text import show
-from .checks import numbers, require, require_quantity
+from .checks import numbers, require, require_quantity, warn_of_si
 from .curved_beam import BEAM_VALUES, Beam
 from .quantities import QUANTITIES, keys_of
 from .shape import Value
@@ -87,6 +87,8 @@ class Device:
         require(alone | np.equal(self.force, 0), pushed, self.force)
         stopped = "device.stops: need a mass; leave them out"
         require(~(alone & self.has_stops), stopped)
+        if not np.any(self.force):  # under which gravity has no effect
+            warn_of_si("", "gravity", vars(self))
         if np.any(self.has_electrode):
             closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
             rest = self.beam.height

@@ -19,9 +19,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 
-from ..device.quantities import plain
+from ..device.quantities import QUANTITIES, plain
 from ..files.atomic import replacing
-from ..pulse.pulse import VERSED_SINE
+from ..pulse.pulse import NEAR_G, VERSED_SINE, G
 from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
 
@@ -235,11 +235,14 @@ def guides(config: Mapping) -> list[str]:
 
 
 def multiples(attributes: Mapping[str, str]) -> str:
-    """Say what N counts by a dataset's attributes: g, or a force on the midpoint."""
+    """Say what N counts by a dataset's attributes: g, gravity, or a force on the midpoint."""
     devices = _devices(json.loads(attributes.get("config", "{}")))
     forces = {device["force"] for device in devices if "force" in device}
     if not forces:
-        return "multiples of $g$"
+        gravity = devices[0].get("gravity", "") if devices else ""
+        is_g = not gravity or abs(float(gravity.partition(" ")[0]) / G - 1) < NEAR_G
+        used = QUANTITIES["gravity"].used(gravity, typeset=True)
+        return f"multiples of {'$g$' if is_g else used}"
     size = plain(float(forces.pop().partition(" ")[0]))
     return "multiples of each force" if forces else f"multiples of {size} µN"
 

@@ -1,5 +1,6 @@
 """CSV tables whose header names columns and units; errors name the line and the column."""
 
+import codecs
 import io
 import math
 import re
@@ -26,7 +27,14 @@ ANSWERS = {
     **dict.fromkeys(("no", "false", "0", 0), False),
 }
 """Words and numbers that say whether a device tripped."""
-_UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]")
+_UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]$")
+_LAST = re.compile(rb"[^\n]*\n\s*[-+.\d]")
+"""A line before one that begins with a number."""
+
+
+def shocks_in(N_of_g: float) -> dict[str, Mapping[str, float]]:
+    """Give SHOCKS for a device whose N of a shock of 1 g is `N_of_g`."""
+    return SHOCKS | {"N": {"": 1.0, "g": N_of_g}}
 
 
 def read_table(
@@ -36,23 +44,28 @@ def read_table(
     most: int = MOST_ROWS,
     above: float = -math.inf,
     gaps: bool = False,
+    rising: str = "",
 ) -> dict[str, np.ndarray]:
     """Read the columns of a CSV; raises ValueError, one line without the file's name.
 
+    Lines that begin with # before the header are left out.
     numbers: factors by unit, for each column of numbers, which must be finite and above `above`;
         without `words` the columns come in this order, whatever the header calls them
     words: meanings of its words, for each column of words; None where any word is right
     most: rows; gaps: whether a number may be missing, and then is NaN
+    rising: column whose numbers must ascend
     Returns each column, (rows,), numbers times the factor of their unit.
     """
     import pandas  # imported late: most runs read no table
 
-    header = content.partition(b"\n")[0].decode("utf-8-sig")
+    comments, content = _without_comments(content.removeprefix(codecs.BOM_UTF8))
+    header, _, body = content.partition(b"\n")
+    header, second = header.decode(), body.partition(b"\n")[0].decode(errors="replace")
     if not header.strip():
         raise ValueError(f"is empty; write a header of {', '.join([*numbers, *words])}")
     separator = max(",;\t", key=header.count)
     head = [word.strip().strip('"') for word in header.split(separator)]
-    keys = _keys(head, numbers, words)
+    keys = _keys(head, numbers, words, comments + 1)
     scales = {key: _scale(word, key, numbers) for key, word in zip(keys, head, strict=True)}
     try:
         table = pandas.read_csv(
@@ -69,9 +82,11 @@ def read_table(
             dtype=dict.fromkeys(words, str),
         )
     except pandas.errors.ParserError as error:
-        raise ValueError(f"is not a CSV of {len(keys)} columns ({error}); {DECIMALS}") from None
+        raise ValueError(f"is not a CSV of {len(keys)} columns ({error})") from None
     if not isinstance(table.index, pandas.RangeIndex):  # pandas makes surplus columns the index
-        raise ValueError(f"line 2: has more than {len(keys)} columns; {DECIMALS}")
+        remedy = f"write {len(keys)}" if "." in second else DECIMALS
+        columns = 1 + second.count(separator)
+        raise ValueError(f"line {comments + 2}: has {columns} columns; {remedy}")
     if len(table) > most:
         raise ValueError(f"has more than {most} rows; write fewer")
     table = table[(table.notna() & (table != "")).any(axis=1)]
@@ -91,25 +106,47 @@ def read_table(
         for line in table.index[~right]:
             word = str(table[key][line]) if table[key].notna()[line] else ""
             remedy = f"; {DECIMALS}" if "," in word else ""
-            raise ValueError(f"line {line + 2}, column {key}: {show(word)} is {need}{remedy}")
+            place = f"line {comments + line + 2}, column {key}"
+            raise ValueError(f"{place}: {show(word)} is {need}{remedy}")
+    if rising:
+        lines = comments + table.index.to_numpy() + 2
+        require_rising(columns[rising], rising, "line", lines)
     return columns
 
 
-def _keys(head, numbers, words):
+def require_rising(values: np.ndarray, name: str, what: str, numbers: np.ndarray) -> None:
+    """Raise ValueError, one line, unless values ascend; numbers: of what has each of them."""
+    steps = np.diff(values)
+    for place in np.flatnonzero(steps <= 0):
+        is_same = steps[place] == 0
+        fault = "that of the one before; remove one" if is_same else "before the last; sort them"
+        raise ValueError(f"{what} {numbers[place + 1]}: {name} is {fault}")
+
+
+def _without_comments(content):
+    """Cut off the lines before a header that begin with #, and its own #; returns also how many."""
+    number = 0
+    while content.startswith(b"#") and not _LAST.match(content):
+        number, content = number + 1, content.partition(b"\n")[2]
+    return number, content.removeprefix(b"#")
+
+
+def _keys(head, numbers, words, line):
     """Name each column: by its head, or by its place if there are no columns of words."""
     known = ", ".join([*numbers, *words])
     if not words:
         if len(head) != len(numbers):
-            raise ValueError(f"has {len(head)} columns; write {len(numbers)}, {known}")
+            need = f"write {len(numbers)}, {known}, or # before a comment"
+            raise ValueError(f"line {line}: the header has {len(head)} columns; {need}")
         return list(numbers)
     keys = [_UNIT.sub("", word).strip() for word in head]
     unknown = [key for key in keys if key not in {*numbers, *words}]
     if len(unknown) == len(keys):  # it is some other file: the message quotes nothing of it
-        raise ValueError(f"line 1: has no known column; write {known}")
+        raise ValueError(f"line {line}: has no known column; write {known}")
     if unknown:
-        raise ValueError(f"line 1: column {show(unknown[0])} is unknown; known are {known}")
+        raise ValueError(f"line {line}: column {show(unknown[0])} is unknown; known are {known}")
     if twice := [key for key in keys if keys.count(key) > 1]:
-        raise ValueError(f"line 1: column {twice[0]} comes twice; write one of them")
+        raise ValueError(f"line {line}: column {twice[0]} comes twice; write one of them")
     return keys
 
 
@@ -117,7 +154,7 @@ def _scale(word, key, numbers):
     """Return the factor of a column of numbers by the unit in its head; 1 for a column of words."""
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
-        what = f"unit {show(unit)} is unknown" if unit else "names no unit"
+        what = f"unit {show(unit)} is unknown" if unit else "does not end with a unit"
         raise ValueError(
             f"header {show(word)} {what}; write one such as {key} ({next(iter(units))})"
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..device.argument import Argument, number, of_type
 from ..device.checks import numbers
+from ..files.tables import require_rising
 from ..files.text import show
 from ..numerics import portable
 
@@ -18,13 +19,22 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 Series = Annotated[
     np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
 ]
+_IN_US = Argument("a row of numbers in us", lambda v: numbers(v, "us") is not None, numbers)
+Times = Annotated[np.ndarray, _IN_US]
 POSITIVE, COLUMNS = number("(0, inf)"), 6
+G = 9.80665e-6
+"""What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
+NEAR_G = 0.01
+"""Relative distance of a gravity from G within which N counts multiples of g."""
 NO_JUMP = 1e-12
 """Largest value over the peak at which the begin or end of a pulse is no jump."""
 AT_REST, BASELINE = 0.05, 0.005
 """Share of the peak below which a recorded shock is over, and below which its offset should lie."""
 NOISE = 0.01
 """Root mean square of a record's noise over its peak above which it is reported."""
+FLAT, FLAT_SHARE, FEWEST_FLAT = 1e-3, 0.1, 4
+"""A record is flat where samples are so near its peak, for so large a share of the time above half
+of it, and at least so many steps; of an 8 bit record of a half sine the share is 0.08."""
 PULLED = 0.05
 """Share of a pulse up to which it may point away from the beam and the mass still stays there."""
 COARSE = 8.0
@@ -35,14 +45,18 @@ TENTH = 0.1
 """Default rise and fall of a trapezoid over its duration."""
 
 
+def N_of_g(gravity: float) -> float:
+    """Give N of a shock of 1 g; gravity: the unit of N, um/us^2, 0 where N counts forces."""
+    return 1.0 if not gravity or abs(gravity / G - 1) < NEAR_G else G / gravity
+
+
 @dataclass(frozen=True, eq=False)
 class Pulse:
     """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
     duration: us, of a recorded shock, train or drop; None where f0 sets it
-    peak: um/us^2, of a recorded shock in known units; else NaN
+    peak: um/us^2, of a recorded shock in known units or of a drop from its height; else NaN
     notes: warnings about a recorded shock
-    own_N: N of a drop from its height; None for other pulses
 
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
     """
@@ -61,7 +75,6 @@ class Pulse:
     """Share of the duration that the fastest change of a train takes; 1 for other pulses."""
     strongest: "Pulse | None" = None
     """The blow of a train that changes the velocity most, in units of the train's peak."""
-    own_N: float | None = None
 
     def __post_init__(self):
         if not isinstance(self.name, str):
@@ -75,10 +88,9 @@ class Pulse:
         begin = pieces[:, 0]
         if begin[0] != 0 or begin[-1] >= 1 or (np.diff(begin) <= 0).any():
             raise ValueError("pulse: pieces do not begin at 0 and ascend to below 1; sort them")
-        for key in ("duration", "own_N"):
-            value = getattr(self, key)
-            if value is not None and not POSITIVE.fits(value):
-                raise ValueError(f"pulse: {key} {show(value)} is not {POSITIVE.need}, or None")
+        if self.duration is not None and not POSITIVE.fits(self.duration):
+            need = f"{POSITIVE.need}, or None"
+            raise ValueError(f"pulse: duration {show(self.duration)} is not {need}")
         object.__setattr__(self, "pieces", pieces)
 
     @cached_property
@@ -102,7 +114,7 @@ class Pulse:
     @property
     def is_of_frame(self) -> bool:
         """Whether the amplitude is known: of a record in known units, or of a drop."""
-        return self.own_N is not None or bool(np.isfinite(self.peak))
+        return bool(np.isfinite(self.peak))
 
     @property
     def alone(self) -> "Pulse":
@@ -198,12 +210,15 @@ class Pulse:
             a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
         return np.where((x >= 0) & (x <= 1), a, 0.0)
 
-    def doubts(self, own_frequency: float, lasts: float) -> list[str]:
-        """Return a line for each doubt whether a recorded shock is good enough for a device.
+    def doubts(self, own_frequency: float, lasts: float, gravity: float) -> list[str]:
+        """Return a line for each doubt whether a shock is good enough for a device.
 
-        own_frequency: `Device.own_frequency`, rad/us; lasts: duration in the study, us
+        own_frequency, gravity: of the `Device`, rad/us and um/us^2; lasts: in the study, us
         """
         lines, period = list(self.notes), 2 * np.pi / own_frequency
+        if self.blows.size and self.is_of_frame:
+            N = f"N = {self.peak / gravity:.5g}"
+            lines.append(f"{N} is the fall from its height; another N scales the whole record")
         step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
         if self.duration is not None and not self.blows.size and step * COARSE > period:
             lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
@@ -237,7 +252,7 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def sampled(
-    time: Series, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
+    time: Times, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
 ) -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 
@@ -254,8 +269,7 @@ def sampled(
         raise ValueError("time and acceleration are not two rows of two samples or more")
     if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):
         raise ValueError("a sample is not a finite number")
-    if (wrong := np.flatnonzero(np.diff(time) <= 0)).size:
-        raise ValueError(f"time of sample {wrong[0] + 2} is not after the one before; sort them")
+    require_rising(time, "time", "sample", np.arange(1, time.size + 1))
     peak, lasts = abs(acceleration).max(), time[-1] - time[0]
     if peak == 0:
         raise ValueError("the acceleration is 0 throughout; record a shock")
@@ -265,14 +279,17 @@ def sampled(
             f"the acceleration ends at {abs(values[-1]):.0%} of its peak; record until it is over"
         )
     pieces = straight((time - time[0]) / lasts, values)
-    return Pulse(name, pieces, float(lasts), section={"shape": name}, notes=_notes(values))
+    return Pulse(name, pieces, float(lasts), section={"shape": name}, notes=_notes(time, values))
 
 
-def _notes(values):
-    """Return warnings about a record, values over its peak: of a jump, an offset, noise."""
+def _notes(time, values):
+    """Return warnings about a record, us and over its peak: a jump, a flat top, offset, noise."""
     notes = []
     if abs(values[0]) > AT_REST:
         notes.append(f"begins with a jump, at {values[0]:.0%} of its peak")
+    if (lasts := _flat_top(time, values)) > 0:
+        flat = f"is flat at its peak for {1e-3 * lasts:.2g} ms"
+        notes.append(f"{flat}, as of a sensor beyond its range")
     shock = np.flatnonzero(abs(values) > AT_REST)
     rests = {"before": values[: shock[0]], "after": values[shock[-1] + 1 :]}
     for when, quiet in rests.items():
@@ -289,6 +306,17 @@ def _notes(values):
     if noise > NOISE and np.sum(rough[1:] * rough[:-1]) < -square / 3:
         notes.append(f"has noise of {noise:.1%} of its peak, and N scales that peak; filter it")
     return tuple(notes)
+
+
+def _flat_top(time, values):
+    """Return how long a record, us and over its peak, stays at its peak; 0 for a usual top."""
+    values = values * np.sign(values[abs(values).argmax()])
+    spans = []
+    for level, fewest in ((1 - FLAT, FEWEST_FLAT), (0.5, 0)):
+        above = np.concatenate([[0], values >= level, [0]])
+        begins, ends = np.flatnonzero(np.diff(above) > 0), np.flatnonzero(np.diff(above) < 0) - 1
+        spans.append(max(np.where(ends - begins >= fewest, time[ends] - time[begins], 0.0)))
+    return spans[0] if spans[0] > FLAT_SHARE * spans[1] else 0.0
 
 
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:

@@ -9,13 +9,13 @@ from ..device.argument import Argument, ExistingPath
 from ..files.named import naming, read_named
 from ..files.tables import read_table
 from ..files.text import NAME, is_name
-from .pulse import Pulse, sampled
+from .pulse import G, Pulse, sampled
 
 MOST_SAMPLES = 1_000_000
 RECORD = 200_000_000, f"write at most {MOST_SAMPLES} samples"
 """Most bytes of a record, and the remedy for more: no shock needs so many samples."""
 TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
-ACCELERATIONS = {"g": 9.80665e-6, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
+ACCELERATIONS = {"g": G, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
 """Factors to us and um/us^2, by unit."""
 
 Hash = Annotated[
@@ -42,7 +42,8 @@ def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
     with naming(path):
         content = read_named(path, *RECORD, sha256)
         columns = {"time": TIMES, "acceleration": ACCELERATIONS}
-        time, acceleration = read_table(content, columns, most=MOST_SAMPLES).values()
+        table = read_table(content, columns, most=MOST_SAMPLES, rising="time")
+        time, acceleration = table.values()
         if not is_name(path.stem):
             raise ValueError(f"its name stands in tables; rename it, in {NAME}")
         pulse = sampled(time, acceleration, path.stem)

@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from .options import take_pulse
-from .pulse import SHARES, VERSED_SINE, Pulse, make_pulse
+from .pulse import SHARES, VERSED_SINE, G, Pulse, make_pulse
 
 # ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
-GRAVITY = 9.80665e-6
-"""Acceleration of a free fall, um/us^2."""
 # ASSUME: rebounds below this share of the first impact's velocity are left out.
 LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
@@ -65,22 +64,22 @@ def make_drop(drop: Mapping) -> Pulse:
 
     drop: height (um); duration (us), shape, rise and fall of each blow; rebound: velocity after
         over that before a blow, from 0 to 0.99, by default 0
-    A blow at velocity v changes it by (1 + rebound) v, from which `own_N` follows.
+    A blow at velocity v changes it by (1 + rebound) v, from which its peak follows.
     Raises ValueError, one line, for another mapping or a blow below 1 g.
     """
     drop = take_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
-    rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * GRAVITY * drop["height"])
+    rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * G * drop["height"])
     blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
-    own_N = (1 + rebound) * velocity / (GRAVITY * _blow(**blow).area)
-    if own_N < 1:
-        raise ValueError(f"pulse.drop: its blow has only {own_N:.2g} g; write a shorter duration")
+    peak = (1 + rebound) * velocity / _blow(**blow).area
+    if peak < G:
+        line = f"pulse.drop: its blow has only {peak / G:.2g} g"
+        raise ValueError(f"{line}; write a shorter duration")
     # In free fall the frame accelerates by -g; the jump at its end is small beside the blow.
-    lasts, level, share = velocity / GRAVITY, -1 / own_N, 1.0
+    lasts, level, share = velocity / G, -G / peak, 1.0
     parts = [_flat(lasts, level), _blow(**blow)]
     while (share := share * rebound) >= LEAST_REBOUND:
-        parts += [_flat(2 * share * velocity / GRAVITY, level), _blow(**blow, N=share)]
-    note = f"N = {own_N:.5g} is the fall from its height; another N scales the whole record"
-    return _joined("drop", parts, drop, own_N=own_N, notes=(note,))
+        parts += [_flat(2 * share * velocity / G, level), _blow(**blow, N=share)]
+    return replace(_joined("drop", parts, drop), peak=peak)
 
 
 def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
@@ -100,7 +99,7 @@ def _flat(lasts, value):
     return Part(np.array([[0.0, value, 0.0, 0.0, 0.0, 0.0]]), lasts)
 
 
-def _joined(name, parts, section, **others):
+def _joined(name, parts, section):
     """Make a pulse of consecutive parts; its peak is their largest."""
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
@@ -119,7 +118,6 @@ def _joined(name, parts, section, **others):
         blows=begins[:-1][blows] / lasts,
         swing=min(part.swing for part in parts) / lasts,
         strongest=Pulse("blow", alone, best.lasts, swing=best.swing / best.lasts),
-        **others,
     )
 
 

@@ -141,7 +141,7 @@ def point_text(point: Mapping[str, float | str]) -> str:
     return ", ".join(
         f"{key} = {value}"
         if key in NAMES
-        else f"{key} = {value:.6g} {'g' if key == 'N' else QUANTITIES[key].unit}"
+        else f"{key} = {value:.6g} {QUANTITIES[key].unit}".rstrip()
         for key, value in point.items()
     )
 

@@ -11,6 +11,7 @@ from ...device.device import Device
 from ...device.quantities import KINDS
 from ...files.named import sha256_of
 from ...files.tables import ROWS
+from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
 from .shots import Shots, check_ranges, read_shots, shots_from
@@ -70,7 +71,7 @@ def read_calibration(
         raise ValueError("needs a single device; write device instead of devices")
     check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
-    table = read_shots(section.shots, files[section.shots])
+    table = read_shots(section.shots, files[section.shots], N_of_g(device.gravity))
     for record in table.get("file", []):
         if record and record not in files:
             files[record] = sha256_of(inside(record), *RECORD)

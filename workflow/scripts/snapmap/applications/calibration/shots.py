@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...device.checks import numbers
+from ...device.checks import numbers, shown, unit_of
 from ...device.device import Device, is_bistable
 from ...device.quantities import QUANTITIES
 from ...files.named import naming, read_named
-from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table
+from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ...files.text import show
-from ...pulse.pulse import DIRECTIONS, Pulse
+from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
 from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 
@@ -57,25 +57,29 @@ class Shots(NamedTuple):
         return np.array([self.groups[i].f0 for i in self.group])
 
 
-def read_shots(path: str | Path, sha256: str = "") -> dict[str, np.ndarray]:
+def read_shots(path: str | Path, sha256: str = "", N_of_g: float = 1.0) -> dict[str, np.ndarray]:
     """Read shots from CSV as columns by name; raises ValueError, one line, for invalid files.
 
-    The header names the columns: N; f0 (Hz, kHz) or duration (us, ms, s); tripped (yes or no);
-    optionally direction, shape and file. An empty number is NaN.
+    The header names the columns: N, or N (g); f0 (Hz, kHz) or duration (us, ms, s); tripped (yes
+    or no); optionally direction, shape and file. An empty number is NaN.
     sha256: of the file when the run was planned, hex digits; empty for any
+    N_of_g: N of a shock of 1 g
     """
     with naming(path):
         content = read_named(path, *ROWS, sha256)
-        return read_table(content, SHOCKS, SHOTS, above=0.0, gaps=True)
+        return read_table(content, shocks_in(N_of_g), SHOTS, above=0.0, gaps=True)
 
 
-def shot_columns(shots: str | Path | Mapping[str, Sequence]) -> dict[str, np.ndarray]:
-    """Check columns of shots, of a file or by name; raises ValueError, one line, for invalid ones.
+def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
+    """Check columns of shots by name; raises ValueError, one line, for invalid ones.
 
     Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
     Shots with a file need no N.
     """
-    table = read_shots(shots) if isinstance(shots, str | Path) else shots
+    for key in SHOCKS:
+        unit = QUANTITIES[key].unit
+        if key in table and unit_of(table[key]) and numbers(table[key], unit) is None:
+            raise ValueError(f"shots: {key}: {shown(table[key])} is not in {unit or 'multiples'}")
     columns = {str(key): np.asarray(table[key]).ravel() for key in table}
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
@@ -118,6 +122,8 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
 
     shocks: default shape and direction of shots; device: its gravity is the unit of N
     """
+    if isinstance(table, str | Path):
+        table = read_shots(table, N_of_g=N_of_g(device.gravity))
     columns = shot_columns(table)
     tripped = columns["tripped"]
     if tripped.size < FEWEST:
@@ -180,7 +186,7 @@ def _group(row, shocks, known):
 def _level(row, pulse, device):
     if pulse.is_of_frame and device.force:
         raise ValueError("file: a record shakes the frame; write gravity, not device.force")
-    N = row.get("N") or pulse.own_N or pulse.peak / device.gravity
+    N = row.get("N") or pulse.peak / device.gravity
     if math.isnan(N):
         raise ValueError("N: missing; write multiples of g")
     return N

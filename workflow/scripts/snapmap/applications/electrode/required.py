@@ -52,9 +52,9 @@ class ClosingSection(ShockSection):
             raise ValueError(f".{closing}: needs a device that must trip; {need}")
         super().make()
 
-    def under(self, pulse: PulseSection | None) -> RequiredClosing:
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
         """Make the requirement of a study, as for any shock, with its DEMANDS."""
-        required = super().under(pulse)
+        required = super().under(pulse, gravity)
         required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
         return required
 

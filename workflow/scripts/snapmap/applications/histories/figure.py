@@ -39,7 +39,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         shock.set_ylabel("force on the\nmidpoint (µN)")
     else:
         shock.plot(time, history.acceleration / history.gravity, color=MASS)
-        shock.set_ylabel("acceleration\n(multiples of $g$)")
+        shock.set_ylabel(f"acceleration\n({style.multiples(history.attrs)})")
     shock.set_xlabel("time after the start of the pulse (ms)")
     snap = snap_time(history) / 1e3
     for ax in axes:

@@ -87,10 +87,11 @@ class ShockSection(PulseSection):
         """The least probability with which the beam must not break; 0 if it may."""
         return self.survives if self.has("survives") else SURVIVES
 
-    def under(self, pulse: PulseSection | None) -> RequiredShock:
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:
         """Make the requirement of a study.
 
         pulse: section of the study, whose shape and direction hold unless this section has its own
+        gravity: of its devices, um/us^2, the unit of N
         """
         values = self.values()
         if not self.has("shape", *TIMED):
@@ -100,9 +101,9 @@ class ShockSection(PulseSection):
             shocks = shocks_of(values)
         except ValueError as error:
             raise ValueError(str(error).removeprefix("pulse")) from None
-        N = self.N if self.has("N") else next(iter(shocks.shapes.values())).own_N
-        if N is None:
+        if not self.has("N") and not self.has("drop"):
             raise ValueError(f".N: missing; write {self.needs()['N']}")
+        N = self.N if self.has("N") else shocks.pulse.peak / gravity
         f0 = frequency_of(self.duration) if self.duration else self.f0
         required = {"name": self.name, "snaps": self.snaps}
         required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
@@ -147,10 +148,10 @@ def read_requirements(
     names = [section.name for section in sections]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"{show(twice)} comes twice; write another name")
-    requirements = []
+    gravity, requirements = float(next(iter(study.devices().values())).gravity), []
     for place, section in enumerate(sections):
         try:
-            required = section.under(pulse)
+            required = section.under(pulse, gravity)
             for device in study.devices().values():
                 require_start(required.values.get("start", FIRST), device)
         except ValueError as error:

@@ -88,8 +88,8 @@ class VibrationSection(Section):
         """Pairs of Hz and g^2/Hz."""
         return [list(pair) for pair in self.psd]
 
-    def under(self, pulse: PulseSection | None) -> RequiredVibration:
-        """Make the requirement; vibration does not depend on the study's pulse."""
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredVibration:
+        """Make the requirement; vibration depends on neither the study's pulse nor N."""
         values = {"name": self.name, "snaps": self.snaps, "psd": self.points}
         values |= {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
         return RequiredVibration(values)
@@ -121,7 +121,7 @@ class SpectrumSection(Section):
         """Pairs of Hz and multiples of g."""
         return [list(pair) for pair in self.srs]
 
-    def under(self, pulse: PulseSection | None) -> RequiredSpectrum:
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredSpectrum:
         """Make the requirement of a study, whose direction holds unless the section has its own."""
         values = {"name": self.name, "snaps": self.snaps, "srs": self.points}
         values["direction"] = self.direction or (pulse and pulse.direction) or "+z"

@@ -6,7 +6,7 @@ from typing import Unpack
 import numpy as np
 import xarray as xr
 
-from ...pulse.pulse import DIRECTIONS, Pulse
+from ...pulse.pulse import DIRECTIONS, G, Pulse
 from ...solver.adaptive import choose_survey
 from ...solver.cells import Rows, to_rows
 from ...solver.cost import tell
@@ -50,7 +50,8 @@ def srs_test(
     seed: of the random records
     options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
     The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and
-    `peak` (multiples of g), `duration` (us) and `deviation` from the spectrum (dB) over `record`.
+    `peak` (g), `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign)
+    over `record`.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
@@ -90,7 +91,7 @@ def trips_of(
     data = {
         "peak": ("record", peaks),
         "duration": ("record", [pulse.duration for pulse in pulses]),
-        "deviation": ("record", [abs(deviation).max() for deviation in deviations]),
+        "deviation": ("record", [dB[abs(dB).argmax()] for dB in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
     document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
@@ -127,7 +128,7 @@ def snap_times(
 ) -> np.ndarray:
     """Find when records at levels snap rows, us, (rows, records, levels).
 
-    rows: their f0 and pulse do not matter; records: pulses with their peaks, multiples of g
+    rows: their f0 and pulse do not matter; records: pulses with their peaks, g
     levels: factors of the records. A run without a snap has NaN, a failed run -inf.
     """
     pulses, peaks = zip(*records, strict=True)
@@ -135,7 +136,9 @@ def snap_times(
     f0 = [1e6 / pulse.duration for pulse in pulses]
     cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
     ask = asker(model, cells, settings, until="snap")
-    t_snap = ask(np.multiply.outer(np.array(peaks)[cells.pulse], levels))
+    # A spectrum is in g, whatever N counts.
+    N = np.array(peaks)[cells.pulse] * (G / np.atleast_1d(model.device.gravity)[cells.device])
+    t_snap = ask(np.multiply.outer(N, levels))
     return t_snap.reshape(rows.C.size, len(pulses), len(levels))
 
 

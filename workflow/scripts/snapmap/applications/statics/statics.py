@@ -24,6 +24,8 @@ from .. import merge
 POINTS = 400
 """Number of points on each of the three parts of a path."""
 PATH = "displacement", "force", "energy"
+NEAR_LOAD = 1 - 1e-9
+"""Share of a buckling load at which a path has not turned below it."""
 LEAST_LOG = -32.0
 """Least ln x in `_tilted`; no imperfection is so small that N comes nearer to the load."""
 
@@ -83,7 +85,10 @@ def _symmetric_paths(beam, modes, tilts):
         return {"guided": _path(modes, turn)}, _path(modes, min(turn, tilts))[0]
     # The even modes neither move the midpoint nor are in the start: the second mode bifurcates.
     odd = _every_second(modes)
-    turn = largest_force(odd, partial(push, odd), odd.buckling[1, 0])
+    for load in odd.buckling[1:, 0]:  # beyond each the path goes on, the force reversed
+        turn = largest_force(odd, partial(push, odd), load)
+        if turn < NEAR_LOAD * load:
+            break
     guided = _path(odd, min(turn, modes.buckling[1, 0]))
     branches = {"guided": guided, "unbranched": _path(odd, turn)}
     return branches, _path(odd, min(turn, tilts))[0]
@@ -127,8 +132,9 @@ def _path(modes, turn):
     """Displacement, force and energy while N rises from 0 to `turn`, stays there, and returns."""
     N = turn * (1 - np.linspace(1, 0, POINTS) ** 2)
     lower, upper = roots(modes, N, *push(modes, N))
-    # Crossing the first buckling load, the two roots change places.
-    rising, back = np.where(modes.buckling[0] > N, [lower, upper], [upper, lower])
+    # Crossing a buckling load, the two roots change places.
+    crossed = np.count_nonzero(modes.buckling <= N, axis=0)
+    rising, back = np.where(crossed % 2 == 0, [lower, upper], [upper, lower])
     straight = np.linspace(rising[-1], back[-1], POINTS)
     force = np.concatenate([rising, straight, back[::-1]])
     N = np.concatenate([N, np.full(POINTS, turn), N[::-1]])

@@ -36,14 +36,16 @@ def request(section, study, document):
 
 
 def doubts(study):
-    """Lines about scatters that are probably mistakes."""
-    from ...config.plausible import wide
+    """Lines about scatters that are probably mistakes, and devices as made that are no switch."""
+    from ...config.plausible import no_switches, wide
     from ...device.samples import Plan
 
-    plan = study.requests["tolerances"]
-    devices = study.devices().values() if plan else ()
-    plans = [Plan(device, plan.scatters, plan.together) for device in devices]
-    return [line for scatters in plans for line in wide(scatters)]
+    made, lines = study.requests["tolerances"], []
+    for name, device in study.devices().items() if made else ():
+        plan = Plan(device, made.scatters, made.together)
+        lost = no_switches(device, plan, made.samples, made.seed)
+        lines += wide(plan) + [f"{name}: {line}" for line in lost]
+    return lines
 
 
 def cost(study):
