@@ -1,13 +1,12 @@
 """Products that are read are held against their study."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from ..files.text import show
+from .made import difference
 
 
 def check_alike(products: Mapping[str | Path, xr.Dataset], document: Mapping) -> None:
@@ -28,28 +27,3 @@ def check_alike(products: Mapping[str | Path, xr.Dataset], document: Mapping) ->
                     f"{first}, {path}: belong to two studies, as {key} differs; remove them and "
                     "run again"
                 )
-
-
-def difference(document: Mapping, config: str) -> str:
-    """Say where the attribute `config` of a product differs from a study; "" if nowhere.
-
-    Compared are device, pulse, model, and those settings that the product depends on.
-    """
-    asked, made = json.loads(json.dumps(document, default=str)), json.loads(config)
-    if not made:
-        return "it names none"
-    for key in ("device", "devices", "pulse", "model"):
-        if asked.get(key) != made.get(key):
-            return _difference(key, asked.get(key), made.get(key))
-    for key in asked["sweep"].keys() & made["sweep"].keys():
-        if asked["sweep"][key] != made["sweep"][key]:
-            return _difference(f"sweep.{key}", asked["sweep"][key], made["sweep"][key])
-    return ""
-
-
-def _difference(key, asked, made):
-    if isinstance(asked, dict) and isinstance(made, dict):
-        first = next(k for k in {**asked, **made} if asked.get(k) != made.get(k))
-        return _difference(f"{key}.{first}", asked.get(first), made.get(first))
-    words = ("left out" if value is None else show(value).strip("'") for value in (made, asked))
-    return f"{key} is {', not '.join(words)}"

@@ -12,6 +12,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from ..files.atomic import fingerprint, replacing
+from ..files.text import show
 from ..study.provenance import DRAWS, NUMBERS, code_hash
 
 FOLDER, SLABS = "results", "results/slabs/"
@@ -57,7 +58,7 @@ def say_why(folder: str, others: Collection[str], document: Mapping) -> str:
     document: of the study, as `Study.document` gives it
     """
     whole = [f"{folder}/{name}" for name in WHOLE if f"{folder}/{name}" in others]
-    why = next(filter(None, (_difference(name, document) for name in whole)), "")
+    why = next(filter(None, (_differs(name, document) for name in whole)), "")
     listed = _read(folder)
     if not why and any(name not in listed for name in others):
         why = f"unknown to {folder}/{LIST}"
@@ -66,16 +67,39 @@ def say_why(folder: str, others: Collection[str], document: Mapping) -> str:
     return f"{_names(others)}: to be made again, as not of this study and code ({why or OTHERWISE})"
 
 
-def _difference(name, document):
+def _differs(name, document):
     """Say where a product in netCDF differs from a study and the code; "" if it does not tell."""
     import netCDF4  # imported late: most runs find no others
-
-    from .alike import difference
 
     with suppress(AttributeError, OSError, RuntimeError, ValueError), netCDF4.Dataset(name) as file:
         code = file.code_version.endswith(code_hash(*NUMBERS, *DRAWS))
         return difference(document, file.config) or ("" if code else "other code")
     return ""
+
+
+def difference(document: Mapping, config: str) -> str:
+    """Say where the attribute `config` of a product differs from a study; "" if nowhere.
+
+    Compared are device, pulse, model, and those settings that the product depends on.
+    """
+    asked, made = json.loads(json.dumps(document, default=str)), json.loads(config)
+    if not made:
+        return "it names none"
+    for key in ("device", "devices", "pulse", "model"):
+        if asked.get(key) != made.get(key):
+            return _differ(key, asked.get(key), made.get(key))
+    for key in asked["sweep"].keys() & made.get("sweep", {}).keys():
+        if asked["sweep"][key] != made["sweep"][key]:
+            return _differ(f"sweep.{key}", asked["sweep"][key], made["sweep"][key])
+    return ""
+
+
+def _differ(key, asked, made):
+    if isinstance(asked, dict) and isinstance(made, dict):
+        first = next(k for k in {**asked, **made} if asked.get(k) != made.get(k))
+        return _differ(f"{key}.{first}", asked.get(first), made.get(first))
+    words = ("left out" if value is None else show(value).strip("'") for value in (made, asked))
+    return f"{key} is {', not '.join(words)}"
 
 
 def hold_to_list(folder: str, files: Iterable[str]) -> None:
