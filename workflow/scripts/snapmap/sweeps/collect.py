@@ -1,6 +1,7 @@
 """Slabs are checked and joined to a cube, block by block; every cell is accounted for."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import netCDF4
@@ -107,10 +108,11 @@ def open_cube(path: ExistingPath) -> xr.Dataset:
             raise ValueError(f"{path}: is damaged; take another copy, or remove it and run again")
         else:
             cube = xr.open_dataset(path, engine="netcdf4")
-    except PermissionError:
-        remedy = "set HDF5_USE_FILE_LOCKING=FALSE, if its file system has no locks"
-        raise ValueError(f"{path}: cannot be opened, or not be locked; {remedy}") from None
     except (OSError, RuntimeError, AttributeError):
+        with suppress(OSError):
+            if is_whole(path):
+                remedy = "set HDF5_USE_FILE_LOCKING=FALSE, or import snapmap before netCDF4"
+                raise ValueError(f"{path}: cannot be locked; {remedy}") from None
         raise ValueError(f"{path}: is not a cube; open one such as results/cube.nc") from None
     codes = require_cube(cube, str(path))
     lazy = {"dask": "parallelized", "output_dtypes": [np.array(OUTCOMES).dtype]}
