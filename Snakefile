@@ -17,6 +17,9 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 os.environ.update(PYTHONDONTWRITEBYTECODE="1")  # jobs inherit it
+# Nor do jobs run another clone's code.
+paths = [str(scripts), *filter(None, [os.environ.get("PYTHONPATH")])]
+os.environ["PYTHONPATH"] = os.pathsep.join(paths)
 from snapmap.files.atomic import hold, refuse_others, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.made import (

@@ -22,7 +22,10 @@ SLAB_CACHE = 2**20
 
 
 def collect_slabs(
-    paths: Sequence[str | Path], axes: Mapping[str, Sequence], document: Mapping, code: str = ""
+    paths: Sequence[str | Path],
+    axes: Mapping[str, Sequence],
+    document: Mapping,
+    code: str | None = None,
 ) -> xr.Dataset:
     """Join slabs lazily to one cube, in blocks of at most BLOCK_CELLS.
 
@@ -56,7 +59,7 @@ def collect_slabs(
     return with_summary(as_cube(axes, variables, document))
 
 
-def open_slabs(paths: Sequence[str | Path], code: str = "") -> xr.Dataset:
+def open_slabs(paths: Sequence[str | Path], code: str | None = None) -> xr.Dataset:
     """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault.
 
     code: as in `collect_slabs`
@@ -67,7 +70,7 @@ def open_slabs(paths: Sequence[str | Path], code: str = "") -> xr.Dataset:
         try:
             with open_slab(path) as slab:
                 cells += slab["outcome"].size
-                code = code or slab.code
+                code = slab.code if code is None else code
                 if slab.code != code:
                     faults.append(f"{path}: has cells of other code; {REMEDY}")
         except ValueError as error:
