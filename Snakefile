@@ -16,14 +16,29 @@ sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
-# Jobs inherit it; nor do they import a module that lies in the folder of the study.
+# Jobs inherit these, and import no module from the folder of the study or from another clone.
+paths = [str(scripts), *filter(None, [os.environ.get("PYTHONPATH")])]
 os.environ.update(PYTHONDONTWRITEBYTECODE="1", PYTHONSAFEPATH="1")
-from snapmap.files.atomic import hold, refuse_folders, remove_leftovers
+os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+from snapmap.files.atomic import hold, refuse_others, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
-from snapmap.workflow.made import list_made, remove_others
-from snapmap.files.named import hold_to_plan
+from snapmap.workflow.made import (
+    find_others,
+    hash_of,
+    list_made,
+    mend_times,
+    remove_others,
+    say_why,
+)
+from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.workflow.progress import Idle, Progress, hush
-from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections
+from snapmap.study.provenance import (
+    NUMBERS,
+    code_hash,
+    device_sections,
+    hash_drawing,
+    hash_numbers,
+)
 from snapmap.applications import attached, functions, gather
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
@@ -51,9 +66,13 @@ if not os.access(".", os.W_OK):
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
-    refuse_folders("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
+    refuse_others("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
-    hold_to_plan(study.files(), workflow.is_main_process)
+    # Parameters of the rules, by which products of other code are made again.
+    code = hash_numbers(scripts / "jobs.py") | hash_drawing(scripts / "draw.py")
+    if workflow.is_main_process:
+        plan_with(study.files() | code)
+    hold_to_plan(study.files())
     extra = gather("alone", study), functions("observing")
     plan = make_plan(study.grid, study.model, study.settings, *extra)
     warnings = doubts(study)
@@ -71,9 +90,7 @@ is_small = len(slabs) == 1 and plan.seconds <= SHARED_SECONDS
 requests = dict(zip(names, plan.requests))
 views = choose_views(study)
 new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
-# Parameters of the rules, by which products of other code are made again.
-numbers = code_hash(*NUMBERS, scripts / "jobs.py")
-drawing = code_hash(*DRAWS, scripts / "draw.py")
+numbers, drawing = code.values()
 studied = code_hash(*NUMBERS, clone / "studies")
 # Rules whose summaries are printed at the end.
 SUMMARIZED = ["find_threshold", "collect", "simulate_all"]
@@ -144,6 +161,7 @@ include: "workflow/rules/applications.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/draw.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/made.smk"
 
 
 rule all:

@@ -18,9 +18,9 @@ from snapmap.applications.requirements import shocks_of
 from snapmap.config.points import read_points
 from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import read_document
-from snapmap.files.named import hold_to_plan
+from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
-from snapmap.study.netcdf import check_alike
+from snapmap.workflow.alike import check_alike
 
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
 marks: points.csv
@@ -70,8 +70,8 @@ def test_a_record_acts_along_the_direction_that_is_written(folder):
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     study = load_config(DOCUMENT)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
-    hold_to_plan(study.files(), plans=False)
-    hold_to_plan(study.files(), plans=True)
+    hold_to_plan(study.files())
+    plan_with(study.files())
     assert planned_study(DOCUMENT, threads=2).settings.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
@@ -184,12 +184,22 @@ def test_plain_numbers_are_read_as_they_are(tmp_path):
 def test_a_product_of_another_study_is_named():
     found = make_found(C=(25.0,)).isel(f0=slice(2))
     cube = make_cells(["22"]).expand_dims("C").assign_coords(f0=found.f0)
-    check_alike(cube, found, "threshold.nc")
+    check_alike({"cube.nc": cube, "threshold.nc": found}, CONFIG)
     other = json.dumps(CONFIG | {"model": {"name": "cosines"}})
-    foreign = found.assign_coords(C=[7.0]), found.assign_attrs(config=other), found.drop_attrs()
-    for each in foreign:
-        with pytest.raises(ValueError, match=r"^threshold\.nc: belongs to another study;"):
-            check_alike(cube, each, "threshold.nc")
+    for change, why in {
+        lambda product: product.assign_attrs(config=other): "model.name is cosines, not elements",
+        lambda product: product.drop_attrs(): "it names none",
+    }.items():
+        for products, wrong in (
+            ({"cube.nc": cube, "threshold.nc": change(found)}, "threshold"),
+            ({"cube.nc": change(cube), "threshold.nc": found}, "cube"),
+        ):
+            with pytest.raises(
+                ValueError, match=rf"^{wrong}\.nc: belongs to another study \({why}"
+            ):
+                check_alike(products, CONFIG)
+    with pytest.raises(ValueError, match=r"^cube\.nc, threshold\.nc: .* two studies, as C differs"):
+        check_alike({"cube.nc": cube, "threshold.nc": found.assign_coords(C=[7.0])}, CONFIG)
 
 
 @pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])

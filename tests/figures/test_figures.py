@@ -5,6 +5,7 @@ import os
 import runpy
 import subprocess
 import sys
+from pathlib import Path
 
 import draw
 import numpy as np
@@ -177,3 +178,16 @@ def test_what_draws_needs_no_kernel_no_pyplot_and_no_dask(root):
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
     command = [sys.executable, "-c", code]
     assert subprocess.check_output(command, env=environment, text=True) == "set()\n"
+
+
+def test_a_figure_on_a_full_disk_is_one_line(tmp_path, monkeypatch):
+    def write_bytes(*_):
+        raise OSError(28, os.strerror(28))
+
+    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+    with (
+        pytest.raises(OSError, match=r"^/.*a\.png: not written, .* MB are free there: .*28\]"),
+        style.saved(str(tmp_path / "a"), {}, 3.0) as figure,
+    ):
+        figure.subplots()
+    assert not [*tmp_path.iterdir()]

@@ -3,6 +3,9 @@
 import errno
 import fcntl
 import os
+import shutil
+import subprocess
+import sys
 import tomllib
 from fnmatch import fnmatch
 
@@ -10,7 +13,7 @@ import numpy as np
 import pytest
 
 import snapmap
-from snapmap.files.atomic import hold
+from snapmap.files.atomic import fingerprint, hold, refuse_others
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.rows import tidy
@@ -75,10 +78,78 @@ def test_a_file_is_held_once(tmp_path):
         hold(tmp_path / "running")
 
 
-@pytest.mark.parametrize("code", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+NO_LOCKS = [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EACCES, errno.EAGAIN]
+
+
+@pytest.mark.parametrize("code", NO_LOCKS)
 def test_a_file_system_without_locks_is_named(tmp_path, monkeypatch, code):
     def flock(*_):
         raise OSError(code, os.strerror(code))
 
     monkeypatch.setattr(fcntl, "flock", flock)
     assert hold(tmp_path / "running") == os.strerror(code)
+
+
+OPENED = """
+import ctypes, sys
+{first}
+import snapmap
+from snapmap.study.netcdf import write
+cube = snapmap.open_cube(sys.argv[1])
+write(cube[["t_snap"]], sys.argv[1] + ".nc")
+"""
+FLOCK = """
+#include <errno.h>
+#include <fcntl.h>
+int flock(int file, int how) { errno = ENOLCK; return -1; }
+"""
+
+
+@pytest.fixture
+def no_locks(tmp_path):
+    """An environment in which no file can be locked."""
+    if not shutil.which("gcc"):
+        pytest.skip("no compiler is here")
+    (source := tmp_path / "flock.c").write_text(FLOCK)
+    library = tmp_path / "flock.so"
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", library, source], check=True)
+    environment = os.environ | {"LD_PRELOAD": str(library)}
+    environment.pop("HDF5_USE_FILE_LOCKING", None)
+    return environment
+
+
+def test_without_locks_files_are_read_and_written_or_the_remedy_is_named(cube, tmp_path, no_locks):
+    write(cube, path := tmp_path / "cube.nc")
+
+    def opened(first):
+        command = [sys.executable, "-c", OPENED.format(first=first), path]
+        return subprocess.run(command, env=no_locks, stderr=subprocess.PIPE, text=True).stderr
+
+    assert opened("") == "" and (tmp_path / "cube.nc.nc").exists()
+    assert opened("import netCDF4").endswith(
+        f"{path}: cannot be locked; set HDF5_USE_FILE_LOCKING=FALSE, or import snapmap before "
+        "netCDF4\n"
+    )
+
+
+def test_a_fingerprint_is_that_of_the_seal_or_of_the_content(cube, tmp_path):
+    for path in (tmp_path / "a.nc", tmp_path / "b.nc"):
+        write(cube, path)
+    assert fingerprint(tmp_path / "a.nc") == fingerprint(tmp_path / "b.nc")
+    write(cube.isel(C=[0]), tmp_path / "b.nc")
+    texts = "", "1,2\n", "1,3\n", "1,2\n" * 100
+    for number, text in enumerate(texts):
+        (tmp_path / f"{number}.csv").write_text(text)
+    assert len({fingerprint(path) for path in tmp_path.iterdir()}) == 2 + len(texts)
+
+
+@pytest.mark.parametrize("stem", ["results", "results/made"])
+def test_what_is_no_folder_or_no_file_is_named(tmp_path, stem):
+    (tmp_path / stem).parent.mkdir(exist_ok=True)
+    (tmp_path / stem).touch()
+    (tmp_path / "pipe").mkdir()
+    os.mkfifo(tmp_path / "pipe" / "cube.nc")
+    with pytest.raises(ValueError, match=rf"{stem}: is a file, where a folder belongs; remove it$"):
+        refuse_others(tmp_path / stem, [".nc"])
+    with pytest.raises(ValueError, match=r"cube\.nc: is no file, where a file belongs; remove it$"):
+        refuse_others(tmp_path / "pipe", [".nc"])

@@ -57,6 +57,18 @@ def test_a_faulty_file_is_named(slabs, fault):
         collect_slabs(paths, axes, {})
 
 
+def test_slabs_of_several_codes_are_refused(study, slabs):
+    paths, axes = slabs
+    slab = {"C": (axes["C"][1],)} | {key: tuple(axes[key]) for key in ("f0", "N")}
+    (other := paths[0].with_name(f"{slab_name(study, slab)}.nc")).unlink()
+    write_slab(study, slab, other, "another")
+    others = [path for path in paths if path != other]
+    with pytest.raises(ValueError, match=rf"\A{other}: has cells of other code; .*\Z"):
+        collect_slabs([*others, other], axes, {})
+    with pytest.raises(ValueError, match=rf"\A{others[0]}: .* other code.*\n{others[1]}: .*\Z"):
+        collect_slabs(paths, axes, {}, code="another")
+
+
 def test_holes_and_slabs_given_twice_are_refused(slabs):
     paths, axes = slabs
     with pytest.raises(ValueError, match=r"\A.*C = 25\.0 .*\n.*C = 50\.0 .*\Z"):

@@ -164,6 +164,17 @@ def test_a_broken_slab_is_refused_by_name_and_made_again(folder, resumed):
 
 
 @pytest.mark.long
+def test_slabs_of_tomorrow_are_joined(folder, resumed):
+    shutil.copytree(resumed.path, folder.path, dirs_exist_ok=True)
+    for path in folder.slabs.glob("*.nc"):
+        os.utime(path, (2e9, 2e9))  # in 2033
+    folder.cube.unlink()
+    output = folder.run()
+    assert "Follow" not in output and "Join the slabs" in output
+    folder.assert_made(resumed.cube)
+
+
+@pytest.mark.long
 def test_a_job_out_of_memory_is_reported_by_name(folder, resumed):
     run, starved = folder.start(), set()
 

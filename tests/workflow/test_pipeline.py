@@ -1,16 +1,18 @@
 """The workflow itself: run, rerun, refuse; in folders and with devices of its own."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
+import time
 import zipfile
 
 import pytest
 import xarray as xr
 import yaml
 from small_studies import EVERY_PRODUCT, SHOTS, TINY
-from small_workflow import snakemake
+from small_workflow import snakemake, wait_for
 
 import snapmap
 from snapmap.applications import gather, window
@@ -166,6 +168,7 @@ def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, f
         head, *listed = listing.read_text().splitlines()
         made = {path.relative_to(folder).as_posix() for path in (folder / "results").rglob("*.*")}
         apart = ("results/logs/", f"results/{LIST}", *USERS)
+        listed = [line.partition("\t")[0] for line in listed]
         assert head == HEAD and {*listed} == {name for name in made if not name.startswith(apart)}
         assert made > {*USERS, "results/logs/find_window.log"}
 
@@ -199,6 +202,103 @@ def test_an_edit_reruns_what_makes_numbers_or_what_draws_and_a_touch_nothing(
     code, output = snakemake(clone, *finished[:2], "--dry-run", check=False)
     (scripts / path).write_text(before, encoding="utf-8")
     assert code == 0 and planned_rules(output).keys() - {"all"} == rules, output
+
+
+@pytest.fixture
+def copied(finished, tmp_path):
+    """A folder with a copy of finished results, alone and with new times, and the config."""
+    shutil.copytree(finished[0] / "results", tmp_path / "results", copy_function=shutil.copy)
+    return tmp_path, finished[1]
+
+
+CHANGES = {
+    "device.beam.thickness is 1.9 um, not 1.7 um": ("thickness: 1.9 um", "thickness: 1.7 um"),
+    "model.modes is 3, not 4": ("modes: 3", "modes: 4"),
+    "pulse is left out, not {'shape': 'half sine'}": (
+        "sweep:",
+        "pulse: {shape: half sine}\nsweep:",
+    ),
+    "sweep.horizon is 200 us, not 300 us": ("horizon: 200 us", "horizon: 300 us"),
+}
+
+
+@pytest.mark.parametrize("why", CHANGES)
+def test_copied_results_of_another_study_are_made_again_with_a_line(clone, copied, why):
+    (config := copied[0] / "changed.yaml").write_text(TINY.replace(*CHANGES[why]))
+    _, output = snakemake(clone, copied[0], config, "--dry-run")
+    assert planned_rules(output).keys() - {"all"} == RULES
+    assert output.count(f"others: to be made again, as not of this study and code ({why}") == 1
+
+
+def test_copied_results_of_other_code_are_made_again_with_a_line(clone, copied):
+    path = clone / "workflow" / "scripts" / "snapmap" / "thresholds" / "survey.py"
+    before = path.read_text(encoding="utf-8")
+    path.write_text(before + "EDITED = 1\n", encoding="utf-8")
+    _, output = snakemake(clone, *copied, "--dry-run", check=False)
+    path.write_text(before, encoding="utf-8")
+    assert planned_rules(output).keys() - {"all"} == RULES and "code (other code)" in output
+
+
+def test_copied_results_of_the_same_study_are_kept_whatever_their_times(clone, copied):
+    folder, config = copied
+    for number, path in enumerate(sorted((folder / "results").rglob("*.*"))):
+        os.utime(path, (2e9 - number, 2e9 - number))  # in 2033, and in a foreign order
+    assert "Nothing to be done" in snakemake(clone, folder, config, "--dry-run")[1]
+    assert (folder / "results" / "cube.nc").stat().st_mtime <= time.time()
+
+
+def test_what_no_run_has_listed_or_what_has_changed_since_is_made_again(clone, copied):
+    folder, config = copied
+    table = folder / "results" / "thresholds.csv"
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join([*lines[:-1], ""]))
+    _, output = snakemake(clone, folder, config, "--dry-run")
+    assert planned_rules(output).keys() - {"all"} == {"find_threshold", "draw_study"}
+    assert "results/thresholds.csv: to be made again, " in output and "(changed since)" in output
+    (folder / "results" / LIST).unlink()
+    _, output = snakemake(clone, folder, config, "--dry-run")
+    assert planned_rules(output).keys() - {"all"} == RULES
+    assert f"(unknown to results/{LIST})" in output
+
+
+def test_without_snakemakes_metadata_another_study_is_seen(clone, finished, tmp_path):
+    folder = shutil.copytree(finished[0], tmp_path / "study")
+    for path in (folder / ".snakemake" / "metadata").iterdir():
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    (config := folder / "changed.yaml").write_text(TINY.replace("1.9 um", "1.7 um"))
+    _, output = snakemake(clone, folder, config, "--dry-run")
+    assert planned_rules(output).keys() - {"all"} == RULES
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("ends", ["edited", "killed"])
+def test_an_interrupted_growth_loses_nothing_and_joins_no_other_code(clone, copied, ends):
+    folder, _ = copied
+    kept = [folder / "results" / name for name in ("threshold.nc", "thresholds.csv", "statics.nc")]
+    old = [path.read_bytes() for path in kept]
+    grown = TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]")
+    (config := folder / "grown.yaml").write_text(grown)
+    command = ["snakemake", "--snakefile", clone / "Snakefile", "--directory", folder]
+    command += ["--configfile", config, "--cores", "1"]
+    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    log = folder / "results" / "logs" / "find_threshold.log"
+    log.unlink()
+    path = clone / "workflow" / "scripts" / "snapmap" / "sweeps" / "grid.py"
+    before = path.read_text(encoding="utf-8")
+    with subprocess.Popen(command, **pipe) as run:
+        wait_for(log.exists)
+        if ends == "killed":
+            run.kill()
+        else:
+            path.write_text(before + "EDITED = 1\n", encoding="utf-8")
+        output = run.communicate(timeout=300)[0]
+        path.write_text(before, encoding="utf-8")
+    assert run.returncode and "Traceback" not in output
+    assert [path.read_bytes() for path in kept] == old
+    if ends == "edited":
+        words = "the code that makes numbers: was edited after the run was planned; run again"
+        assert words in output and "Restored" not in output
+        assert "find_threshold" in planned_rules(snakemake(clone, folder, config, "--dry-run")[1])
 
 
 @pytest.mark.long

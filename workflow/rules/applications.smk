@@ -27,7 +27,7 @@ for name in slow:
         input:
             **getattr(application, "inputs", lambda study: {})(study),
         output:
-            **making[name],
+            **kept(making[name]),
         log:
             f"results/logs/{application.rule}.log",
         priority: getattr(application, "priority", 45)

@@ -11,9 +11,10 @@ def memory(megabytes):
 
 
 def list_products(jobid):
-    """List the products of a job, but no slabs, as a grid may grow again, and no studies."""
-    if jobs[jobid].rule.name not in ("simulate_slab", *STUDIES):
-        list_made("results", map(str, jobs[jobid].output))
+    """List the products of a job, but of no study."""
+    if jobs[jobid].rule.name not in STUDIES:
+        paths = map(str, jobs[jobid].output)
+        list_made("results", {path: made_from[path] for path in paths})
 
 
 def remove_old_products():
@@ -36,6 +37,18 @@ def drawn_from(name):
     if hasattr(application, "drawn_from"):
         return application.drawn_from(study)
     return application.outputs(study)
+
+
+def kept(outputs):
+    """Let outputs by name stay until a job replaces them; Snakemake would remove them before it."""
+    return {
+        name: (
+            update(files)
+            if isinstance(files, str)
+            else [update(path) for path in files]
+        )
+        for name, files in outputs.items()
+    }
 
 
 def constant(value):

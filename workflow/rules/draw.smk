@@ -24,6 +24,7 @@ rule draw_study:
         runtime=10,
         mem_mb=memory(2000),
     params:
+        document=constant(study.document()),
         views={
             kind: [view._asdict() for view in figures]
             for kind, figures in views._asdict().items()

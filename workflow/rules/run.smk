@@ -63,9 +63,13 @@ else:
 
 rule find_threshold:
     output:
-        threshold="results/threshold.nc",
-        table="results/thresholds.csv",
-        others=made_quickly,
+        **kept(
+            {
+                "threshold": "results/threshold.nc",
+                "table": "results/thresholds.csv",
+                "others": made_quickly,
+            }
+        ),
     log:
         "results/logs/find_threshold.log",
     # The search begins with the first cells: so no two jobs of cells compile a kernel at once.

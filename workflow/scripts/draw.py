@@ -4,7 +4,7 @@ import gc
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
@@ -19,15 +19,26 @@ from snapmap.applications import attached
 from snapmap.config.points import read_points
 from snapmap.figures import maps, scales, style
 from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
-from snapmap.study.netcdf import check_alike, open_whole
+from snapmap.study.netcdf import open_whole
+from snapmap.study.provenance import hash_drawing
+from snapmap.workflow.alike import check_alike
 from snapmap.workflow.job_log import end_with, run_rule
 
 
 def draw_study(
-    cube_path, threshold_path, views, own_points, applications, folder, threads, stress_path=""
+    cube_path,
+    threshold_path,
+    document,
+    views,
+    own_points,
+    applications,
+    folder,
+    threads,
+    stress_path="",
 ):
     """Draw the figures that every study has, in one job, as its start takes longer than a figure.
 
+    document: of the study, as `Study.document` gives it, to which all that is read must belong
     views: figures by kind, as `products.Views` has them, in plain values
     own_points: path and SHA-256 of a user's own points, and N of 1 g; or nothing
     applications: figures of applications and the files behind them, by the names of their folders
@@ -36,8 +47,9 @@ def draw_study(
     """
     files = cube_path, threshold_path, stress_path
     points = read_points(*own_points) if own_points else ()
-    with _opened(files, open_whole) as (cube, thresholds):
-        check_alike(cube, thresholds, threshold_path)
+    with ExitStack() as opened:
+        products = {path: opened.enter_context(open_whole(path)) for path in filter(None, files)}
+        check_alike(products, document)
     of_thresholds = partial(_draw_thresholds, files, folder)
     tasks = [
         *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
@@ -62,16 +74,15 @@ def side_by_side(tasks, processes):
 
 
 @contextmanager
-def _opened(files, open_file=xr.open_dataset):
+def _opened(files):
     """Open cube and thresholds; stresses add their share of the strength to the cube."""
     cube_path, threshold_path, stress_path = files
     with (
-        open_file(cube_path) as cube,
-        open_file(threshold_path) as thresholds,
-        open_file(stress_path) if stress_path else nullcontext() as stress,
+        xr.open_dataset(cube_path) as cube,
+        xr.open_dataset(threshold_path) as thresholds,
+        xr.open_dataset(stress_path) if stress_path else nullcontext() as stress,
     ):
         if stress_path:
-            check_alike(cube, stress, stress_path)
             share = stress.stress_max / stress.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
             cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))
@@ -118,4 +129,4 @@ def function_of(rule):
 
 if __name__ == "__main__":
     gc.freeze()  # what was imported stays
-    run_rule(function_of(snakemake.rule), snakemake)
+    run_rule(function_of(snakemake.rule), snakemake, partial(hash_drawing, __file__))

@@ -5,12 +5,14 @@ Functions import what they need, as a job of cells does without xarray.
 """
 
 import sys
+from functools import partial
 from tempfile import TemporaryDirectory
 
 from snapmap.applications import attached, functions
 from snapmap.config.study import planned_study
 from snapmap.files.atomic import replacing
 from snapmap.study.axes import NAMES
+from snapmap.study.provenance import hash_numbers
 from snapmap.workflow.job_log import run_rule
 
 
@@ -22,13 +24,13 @@ def simulate_slab(study, axes, path, code):
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 
-def collect(study, slab_paths, path):
+def collect(study, slab_paths, path, code):
     """Join slabs to the cube, write it, and print its summary."""
     from snapmap.study.netcdf import write_product
     from snapmap.sweeps.collect import collect_slabs
     from snapmap.sweeps.cube import summary
 
-    write_product(collect_slabs(slab_paths, study.axes, study.document()), path, summary)
+    write_product(collect_slabs(slab_paths, study.axes, study.document(), code), path, summary)
 
 
 def simulate_all(study, axes, path, code):
@@ -38,7 +40,7 @@ def simulate_all(study, axes, path, code):
     with TemporaryDirectory() as folder:
         slab_path = f"{folder}/{slab_name(study, axes)}.nc"
         write_slab(study, axes, slab_path, code, functions("observe"))
-        collect(study, [slab_path], path)
+        collect(study, [slab_path], path, code)
 
 
 def find_threshold(study, path, table_path, quick):
@@ -69,4 +71,4 @@ def function_of(rule):
 if __name__ == "__main__":
     if snakemake.rule != "collect":  # no other has lazy arrays, for which xarray imports dask
         sys.modules["dask"] = None
-    run_rule(function_of(snakemake.rule), snakemake, planned_study)
+    run_rule(function_of(snakemake.rule), snakemake, partial(hash_numbers, __file__), planned_study)

@@ -101,7 +101,7 @@ class Config(Study):
 def planned_study(document: Mapping, threads: int) -> Config:
     """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
-    hold_to_plan(study.files(), plans=False)
+    hold_to_plan(study.files())
     return replace(study, settings=study.settings._replace(threads=threads))
 
 

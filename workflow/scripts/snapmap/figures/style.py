@@ -5,6 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from copy import copy
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib.style
@@ -161,14 +162,16 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
 
     for ending, keys in METADATA.items():
         metadata = {key: attributes[name] for key, name in keys.items() if name in attributes}
+        drawn = BytesIO()  # on a full disk the writers of files end in faults of their own
+        if ending == "png":
+            FigureCanvasAgg(figure).print_png(drawn, metadata=metadata)
+            figure.set_layout_engine("none")
+        else:
+            metadata["CreationDate"] = None
+            with _plain_fonts(subset):
+                FigureCanvasPdf(figure).print_pdf(drawn, metadata=metadata)
         with replacing(f"{stem}.{ending}") as temporary:
-            if ending == "png":
-                FigureCanvasAgg(figure).print_png(temporary, metadata=metadata)
-                figure.set_layout_engine("none")
-            else:
-                metadata["CreationDate"] = None
-                with _plain_fonts(subset):
-                    FigureCanvasPdf(figure).print_pdf(temporary, metadata=metadata)
+            Path(temporary).write_bytes(drawn.getvalue())
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from hashlib import blake2b
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 SEAL = b"BLAKE2b-512 of all bytes before: "
 """This and 64 bytes of hash end a sealed file: HDF5 ignores them, and drops them when it writes."""
@@ -59,27 +60,51 @@ def is_whole(path: str | Path) -> bool | None:
         return blake2b(held[:size]).digest() == digest
 
 
+def fingerprint(path: str | Path) -> str:
+    """Hash a file to 12 hex digits: its seal, which stands for all bytes, or else its content."""
+    with open(path, "rb") as file:
+        file.seek(max(0, file.seek(0, 2) - len(SEAL) - 64))
+        content = file.read()
+        if not content.startswith(SEAL):
+            file.seek(0)
+            content = file.read()
+    return blake2b(content, digest_size=6).hexdigest()
+
+
 def hold(path: str | Path) -> str:
     """Lock a file until this process ends.
 
     Returns "", or the error of a file system without locks, as some clusters have.
     Raises BlockingIOError if another process holds the lock.
     """
-    file = os.open(path, os.O_CREAT | os.O_WRONLY)  # stays open
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
+        _lock(path)
+    except BlockingIOError as error:
+        with NamedTemporaryFile(dir=Path(path).parent) as other:
+            try:
+                _lock(other.name)
+            except BlockingIOError:  # though nobody else knows it
+                return error.strerror
         raise
     except OSError as error:
         return error.strerror
     return ""
 
 
-def refuse_folders(folder: str | Path, endings: Sequence[str]) -> None:
-    """Raise ValueError, one line, if a folder below `folder` has a name with one of the endings."""
-    for path in Path(folder).rglob("*.*"):
-        if path.suffix in endings and path.is_dir():
-            raise ValueError(f"{path}: is a folder, where a file belongs; remove it")
+def _lock(path):
+    file = os.open(path, os.O_CREAT | os.O_WRONLY)  # stays open
+    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def refuse_others(folder: str | Path, endings: Sequence[str]) -> None:
+    """Raise ValueError, one line, unless a folder is one, and names with the endings are files."""
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"{folder}: is a file, where a folder belongs; remove it")
+    for path in folder.rglob("*.*"):
+        if path.suffix in endings and path.exists() and not path.is_file():
+            what = "a folder" if path.is_dir() else "no file"
+            raise ValueError(f"{path}: is {what}, where a file belongs; remove it")
 
 
 def remove_leftovers(folder: str | Path) -> None:

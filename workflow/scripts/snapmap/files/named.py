@@ -53,14 +53,16 @@ def sha256_of(path: str | Path, most: int, remedy: str) -> str:
         return hashlib.sha256(read_named(path, most, remedy)).hexdigest()
 
 
-def hold_to_plan(files: Mapping[str, str], plans: bool) -> None:
+def plan_with(files: Mapping[str, str]) -> None:
+    """Let the jobs of a run inherit the hashes of files, by path or by what the files are."""
+    os.environ[PLANNED] = json.dumps(files)
+
+
+def hold_to_plan(files: Mapping[str, str]) -> None:
     """Raise ValueError, one line, if a file has changed since the run was planned.
 
-    files: SHA-256 by path
-    plans: whether this process plans the run; its jobs then inherit these hashes
+    files: hashes as for `plan_with`
     """
-    if plans:
-        os.environ[PLANNED] = json.dumps(files)
     planned = json.loads(os.environ.get(PLANNED, "{}"))
     for path, sha256 in files.items():
         if planned.get(path, sha256) != sha256:

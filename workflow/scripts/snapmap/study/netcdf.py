@@ -1,11 +1,9 @@
 """Datasets are written to netCDF files, and read from them."""
 
-import json
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from ..files.atomic import is_whole, replacing, seal
@@ -49,22 +47,6 @@ def open_whole(path: str | Path, **options) -> xr.Dataset:
     if not is_whole(path):
         raise ValueError(f"{path}: is damaged; remove it and run again")
     return xr.open_dataset(path, engine="netcdf4", **options)
-
-
-def check_alike(cube: xr.Dataset, other: xr.Dataset, path: str | Path) -> None:
-    """Raise ValueError, one line, unless another product belongs to the study of a cube.
-
-    path: of the other product, whose axes may have more values than the cube's, or fewer
-    """
-    a, b = (json.loads(product.attrs.get("config", "{}")) for product in (cube, other))
-    sections = [(a.get(key), b.get(key)) for key in ("device", "devices", "pulse", "model")]
-    if b:
-        settings = a["sweep"].keys() & b["sweep"].keys()
-        sections += [(a["sweep"][key], b["sweep"][key]) for key in settings]
-    axes = [(cube[key].values, other[key].values) for key in {*cube.dims} & {*other.dims}]
-    overlap = all(np.isin(u, v).all() or np.isin(v, u).all() for u, v in axes)
-    if not (b and overlap and all(u == v for u, v in sections)):
-        raise ValueError(f"{path}: belongs to another study; remove it and run again")
 
 
 def _in_this_thread(dataset):

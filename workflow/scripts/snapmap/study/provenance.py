@@ -115,6 +115,16 @@ def code_hash(*paths: Path) -> str:
     return digest.hexdigest()[:12]
 
 
+def hash_numbers(script: str | Path) -> dict[str, str]:
+    """Hash the code that makes numbers with the script of its jobs, by its name in messages."""
+    return {"the code that makes numbers": code_hash(*NUMBERS, Path(script))}
+
+
+def hash_drawing(script: str | Path) -> dict[str, str]:
+    """Hash the code that draws with the script of its jobs, by its name in messages."""
+    return {"the code that draws": code_hash(*DRAWS, Path(script))}
+
+
 def _commit():
     # With the folders named, git accepts another user's clone, and takes no folder around it.
     clone = _PACKAGE.parents[2]

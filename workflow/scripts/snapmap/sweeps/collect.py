@@ -1,6 +1,7 @@
 """Slabs are checked and joined to a cube, block by block; every cell is accounted for."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import netCDF4
@@ -12,7 +13,7 @@ from ..files.atomic import is_whole
 from ..solver.outcome import OUTCOMES
 from ..study.axes import NAMES
 from .cube import as_cube, outcome_names, require_cube, with_summary
-from .slabs import open_slab
+from .slabs import REMEDY, open_slab
 
 BLOCK_CELLS = 10**6
 """Most cells that are held in memory at a time, and compressed together."""
@@ -21,17 +22,21 @@ SLAB_CACHE = 2**20
 
 
 def collect_slabs(
-    paths: Sequence[str | Path], axes: Mapping[str, Sequence], document: Mapping
+    paths: Sequence[str | Path],
+    axes: Mapping[str, Sequence],
+    document: Mapping,
+    code: str | None = None,
 ) -> xr.Dataset:
     """Join slabs lazily to one cube, in blocks of at most BLOCK_CELLS.
 
     paths: of the slabs, whose names are the slabs' own
     axes: values of each axis of the whole grid, in order, ascending
     document: config, which the attributes of the cube repeat
-    Raises ValueError, a line for each fault: a file is missing, broken or another slab; a value of
-    an axis is in no slab; or cells are in several.
+    code: hash of the code that all slabs must be of; by default that of the first
+    Raises ValueError, a line for each fault: a file is missing, broken, another slab or of other
+    code; a value of an axis is in no slab; or cells are in several.
     """
-    slabs = open_slabs(paths)
+    slabs = open_slabs(paths, code)
     axes = {key: np.asarray(values) for key, values in axes.items()}
     faults = [
         f"grid: {key} = {value} is in no slab; run again"
@@ -54,9 +59,10 @@ def collect_slabs(
     return with_summary(as_cube(axes, variables, document))
 
 
-def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
+def open_slabs(paths: Sequence[str | Path], code: str | None = None) -> xr.Dataset:
     """Open slabs as a lazy cube, a block for each; raises ValueError, a line for each fault.
 
+    code: as in `collect_slabs`
     A single small slab is opened without dask, whose start takes longer than the rest.
     """
     faults, cells = [], 0
@@ -64,6 +70,9 @@ def open_slabs(paths: Sequence[str | Path]) -> xr.Dataset:
         try:
             with open_slab(path) as slab:
                 cells += slab["outcome"].size
+                code = slab.code if code is None else code
+                if slab.code != code:
+                    faults.append(f"{path}: has cells of other code; {REMEDY}")
         except ValueError as error:
             faults.append(str(error))
     if faults:
@@ -103,6 +112,10 @@ def open_cube(path: ExistingPath) -> xr.Dataset:
         else:
             cube = xr.open_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, AttributeError):
+        with suppress(OSError):
+            if is_whole(path):
+                remedy = "set HDF5_USE_FILE_LOCKING=FALSE, or import snapmap before netCDF4"
+                raise ValueError(f"{path}: cannot be locked; {remedy}") from None
         raise ValueError(f"{path}: is not a cube; open one such as results/cube.nc") from None
     codes = require_cube(cube, str(path))
     lazy = {"dask": "parallelized", "output_dtypes": [np.array(OUTCOMES).dtype]}

@@ -1,11 +1,13 @@
 """The command `snapmap`: it writes a first config, checks a config, and runs it."""
 
+import os
 import shutil
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
 from math import prod
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from .. import __version__
 from ..files.extras import needing
@@ -113,6 +115,10 @@ def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
 
         from ..config.yaml_file import read_document
     read_document(config)  # Snakemake would evaluate the expressions of __use_yte__
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    with naming(f"{cache}, which XDG_CACHE_HOME can replace"):
+        cache.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=cache).close()  # Snakemake writes there, or ends in a traceback
     profile = PIPELINE / "profiles" / "default" / "profile.yaml"  # else the study's own, with code
     options = "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
     options += "--configfile", config, "--cores", cores

@@ -13,6 +13,8 @@ from pathlib import Path
 from threading import Thread
 
 from ..files.counting import counting
+from ..files.named import hold_to_plan
+from .made import FOLDER, hold_to_list
 
 RUN = "SNAPMAP_RUN"
 """Name of the environment variable with the process number of a job's run."""
@@ -23,11 +25,12 @@ LOOK_AROUND = 1.0
 """Seconds after which a job checks again whether its run still exists."""
 
 
-def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
+def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | None = None) -> None:
     """Call a rule's function with those values of its job that have the names of its parameters.
 
     job: the `snakemake` object. Its values are wildcards and params; NAME_path, or NAME_paths, of
         inputs and outputs; `path`, the first output, and its `folder`; the number of `threads`
+    code_of: gives the hash of the code by what it does; it must be the plan's, before and after
     study_of: makes `study` of the run's config and threads
     """
     first = Path(job.output[0])
@@ -39,9 +42,12 @@ def run_rule(function: Callable, job, study_of: Callable | None = None) -> None:
     wanted = inspect.signature(function).parameters
     end_with(int(os.environ[RUN]))
     with job_log(job.log[0]), _counted(job.log[0]):
+        hold_to_plan(code_of())
+        hold_to_list(FOLDER, job.input)
         if "study" in wanted:
             values["study"] = study_of(job.config, threads)
         function(**{name: values[name] for name in wanted if name in values})
+        hold_to_plan(code_of())  # parts of it were imported on the way
     os._exit(0)  # a regular exit would take a sixth of a job
 
 

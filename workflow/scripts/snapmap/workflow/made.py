@@ -1,22 +1,129 @@
-"""The list of files that runs have made, by which results of older configs are removed."""
+"""The list of files that runs have made: by it others are made again, and older configs' leave.
 
+Neither names nor times tell of which study and code a file is, which may have been copied here.
+"""
+
+import json
 import os
-from collections.abc import Collection, Iterable
+import time
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
+from hashlib import blake2b
 from pathlib import Path
 
-from ..files.atomic import replacing
+from ..files.atomic import fingerprint, replacing
+from ..files.text import show
+from ..study.provenance import DRAWS, NUMBERS, code_hash
 
+FOLDER, SLABS = "results", "results/slabs/"
+"""The folder of results, and that of slabs, which stay, as a grid may grow again."""
 LIST = "made.txt"
-"""Name of the list in the folder of results: HEAD, then a path in each line."""
+"""Name of the list in the folder of results: HEAD, then a line for each file. It has the path, the
+hash of what the file was made from, and that of its content, between tabs."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
+OTHERWISE = "made for other axes or requests"
+WHOLE = "cube.nc", "threshold.nc"
+"""Products whose attribute `config` has the whole study."""
 
 
-def list_made(folder: str, files: Iterable[str]) -> None:
-    """Add files that a job has made below a folder to the folder's list."""
-    _write(folder, {*_read(folder), *files})
+def hash_of(*sources: object) -> str:
+    """Hash what a file is made from: plain values, and hashes of other files."""
+    text = json.dumps(sources, sort_keys=True, default=str)
+    return blake2b(text.encode(), digest_size=6).hexdigest()
+
+
+def list_made(folder: str, files: Mapping[str, str]) -> None:
+    """Add files that a job has made below a folder to the folder's list.
+
+    files: hash of what each was made from, by path
+    """
+    made = {name: (made_from, fingerprint(name)) for name, made_from in files.items()}
+    _write(folder, _read(folder) | made)
+
+
+def find_others(folder: str, plan: Mapping[str, str]) -> list[str]:
+    """Find the files of a plan that are there, but not as it would make them.
+
+    plan: hash of what each is made from, by path
+    """
+    listed, there = _read(folder), filter(os.path.isfile, plan)
+    return [name for name in there if listed.get(name) != (plan[name], fingerprint(name))]
+
+
+def say_why(folder: str, others: Collection[str], document: Mapping) -> str:
+    """Say in one line that others than a study's files are to be made again, and why.
+
+    document: of the study, as `Study.document` gives it
+    """
+    whole = [f"{folder}/{name}" for name in WHOLE if f"{folder}/{name}" in others]
+    why = next(filter(None, (_differs(name, document) for name in whole)), "")
+    listed = _read(folder)
+    if not why and any(name not in listed for name in others):
+        why = f"unknown to {folder}/{LIST}"
+    elif not why and any(listed[name][1] != fingerprint(name) for name in others):
+        why = "changed since"
+    return f"{_names(others)}: to be made again, as not of this study and code ({why or OTHERWISE})"
+
+
+def _differs(name, document):
+    """Say where a product in netCDF differs from a study and the code; "" if it does not tell."""
+    import netCDF4  # imported late: most runs find no others
+
+    with suppress(AttributeError, OSError, RuntimeError, ValueError), netCDF4.Dataset(name) as file:
+        code = file.code_version.endswith(code_hash(*NUMBERS, *DRAWS))
+        return difference(document, file.config) or ("" if code else "other code")
+    return ""
+
+
+def difference(document: Mapping, config: str) -> str:
+    """Say where the attribute `config` of a product differs from a study; "" if nowhere.
+
+    Compared are device, pulse, model, and those settings that the product depends on.
+    """
+    asked, made = json.loads(json.dumps(document, default=str)), json.loads(config)
+    if not made:
+        return "it names none"
+    for key in ("device", "devices", "pulse", "model"):
+        if asked.get(key) != made.get(key):
+            return _differ(key, asked.get(key), made.get(key))
+    for key in asked["sweep"].keys() & made.get("sweep", {}).keys():
+        if asked["sweep"][key] != made["sweep"][key]:
+            return _differ(f"sweep.{key}", asked["sweep"][key], made["sweep"][key])
+    return ""
+
+
+def _differ(key, asked, made):
+    if isinstance(asked, dict) and isinstance(made, dict):
+        first = next(k for k in {**asked, **made} if asked.get(k) != made.get(k))
+        return _differ(f"{key}.{first}", asked.get(first), made.get(first))
+    words = ("left out" if value is None else show(value).strip("'") for value in (made, asked))
+    return f"{key} is {', not '.join(words)}"
+
+
+def hold_to_list(folder: str, files: Iterable[str]) -> None:
+    """Raise ValueError, one line, if a file has changed since a run has made and listed it."""
+    listed = _read(folder)
+    for name in files:
+        if name in listed and listed[name][1] != fingerprint(name):
+            raise ValueError(f"{name}: has changed since it was made; run again to make it anew")
+
+
+def mend_times(sources: Mapping[str, Collection[str]]) -> None:
+    """Set back the times of files that lie ahead, or after those of files made from them.
+
+    A copy may have any times. sources: of each right file what it was made from, which comes before
+    """
+    latest = dict.fromkeys(sources, time.time_ns())
+    for name in reversed(sources):
+        with suppress(OSError):  # it may be another user's
+            at = os.stat(name).st_mtime_ns
+            latest[name] = min(at, latest[name])
+            if at > latest[name]:
+                os.utime(name, ns=(latest[name], latest[name]))
+        for source in sources[name]:
+            latest[source] = min(latest.get(source, latest[name]), latest[name])
 
 
 def remove_others(folder: str, kept: Collection[str]) -> list[str]:
@@ -25,13 +132,14 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
     No other file is touched. Returns lines on files that were removed, or cannot be removed.
     """
     listed = _read(folder)
+    kept = {*kept, *(name for name in listed if name.startswith(SLABS))}
     others = [name for name in sorted(listed) if name not in kept and os.path.lexists(name)]
     for name in others:
         with suppress(OSError):
             Path(name).unlink()
     left = [name for name in others if os.path.lexists(name)]
-    if listed - {*kept, *left}:
-        _write(folder, (listed & {*kept}).union(left))
+    if listed.keys() - {*kept, *left}:
+        _write(folder, {name: listed[name] for name in listed if name in {*kept, *left}})
     lines = {
         "removed, as the config no longer asks for them": sorted({*others} - {*left}),
         "from an older config, and cannot be removed": left,
@@ -43,15 +151,18 @@ def _read(folder):
     try:
         text = Path(folder, LIST).read_text(encoding="utf-8", errors="replace")
     except OSError:
-        return set()
-    head, *names = text.splitlines() or [""]
-    return {name for name in names if head == HEAD and _is_below(folder, name)}
+        return {}
+    head, *lines = text.splitlines() or [""]
+    listed = {name: (*hashes,) for name, *hashes in (line.split("\t") for line in lines)}
+    listed = {name: hashes if len(hashes) == 2 else ("", "") for name, hashes in listed.items()}
+    return {name: listed[name] for name in listed if head == HEAD and _is_below(folder, name)}
 
 
-def _write(folder, names):
-    # A file that a full disk keeps off the list only stays longer.
+def _write(folder, listed):
+    # A file that a full disk keeps off the list is only made again.
     with suppress(OSError), replacing(Path(folder, LIST)) as temporary:
-        text = "\n".join([HEAD, *sorted(names), ""])
+        lines = ("\t".join([name, *listed[name]]).rstrip() for name in sorted(listed))
+        text = "\n".join([HEAD, *lines, ""])
         Path(temporary).write_text(text, encoding="utf-8")
 
 

@@ -18,8 +18,11 @@ CELLS, ALL_CELLS = "simulate_slab", "simulate_all"
 WRAPPED = (
     "RuleException:\nCalledProcessError in file",
     "WorkflowError:\nAt least one job did not complete",
+    "Restored previous version of",
+    "Cannot restore",
 )
-"""Beginnings of messages that repeat the log of a job, which is shown beside them."""
+"""Beginnings of messages that repeat the log of a job, which is shown beside them, or tell of a
+product that stays as it was, or is not there yet."""
 AGAIN = "Trying to restart job"
 NOTHING = "Nothing to be done"
 STOPPING = "Terminating processes on user request"

@@ -26,10 +26,9 @@ def figures(study):
 def draw(figures, folder, cube_path, threshold_path):
     """Write the page."""
     from ...files.atomic import write_text
-    from ...study.netcdf import check_alike, open_whole
+    from ...study.netcdf import open_whole
     from .figure import page  # brings Plotly
 
     with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
-        check_alike(cube, thresholds, threshold_path)
         for name, arguments in figures.items():
             write_text(page(cube, thresholds, **arguments), f"{folder}/{name}")
