@@ -29,7 +29,9 @@ is its contract, in which every name is optional:
     cost(study)     core time of its job, s, if `check` should tell it
     quick           true if the job of the thresholds makes and draws its product as well, as a
                     job of its own would take longer to start than to run
-    figures(study)  arguments of `draw` by the stem of a figure
+    figures(study)  arguments of `draw` by the name of a figure; empty if there is none to draw
+    saved_in, endings   folder of these figures, and the endings of the files that each of them is;
+                    by default results/figures, png and pdf
     drawn_from(study)   files that `draw` reads, by name; by default its outputs
     draw(figures, folder, ...)   draws them; takes NAME_path of these files
     part            heading of its figures in the report; their caption is caption.rst
