@@ -109,9 +109,7 @@ def choose_maps(
     return tuple(view._replace(name=MAPS) if view.is_of_cells else view for view in views), line
 
 
-def batch_places(
-    grid: Grid, figure: str, of: Collection[str] = NAMES
-) -> dict[str, dict[str, int]]:
+def batch_places(grid: Grid, figure: str, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
     """Give a place for each combination of names, by the name of the figure there.
 
     figure: what it shows, as its name begins; of: axes of names that are combined
