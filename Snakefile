@@ -23,7 +23,7 @@ from snapmap.workflow.made import list_made, remove_others
 from snapmap.files.named import hold_to_plan
 from snapmap.workflow.progress import Idle, Progress, hush
 from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, device_sections
-from snapmap.applications import attached, functions, gather
+from snapmap.applications import attached, functions, gather, refuse_all
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.workflow.products import choose_views
@@ -56,6 +56,8 @@ try:
     extra = gather("alone", study), functions("observing")
     plan = make_plan(study.grid, study.model, study.settings, *extra)
     warnings = doubts(study)
+    if workflow.is_main_process:
+        refuse_all(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put words of its own around it
 

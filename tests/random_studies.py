@@ -1,14 +1,13 @@
-"""Small studies of combined features, made at random from a seed, and what a run of one makes."""
+"""Small studies of combined features, made at random from a seed."""
 
 import random
 
 import yaml
 
-from snapmap.applications import attached, functions, gather
+from snapmap.applications import functions, gather
 from snapmap.config.study import load_config
 from snapmap.workflow.command import _costs
 from snapmap.workflow.plan import make_plan
-from snapmap.workflow.products import choose_views
 
 MOST_SECONDS = 15
 """Largest forecast of core time of a study that is drawn."""
@@ -58,7 +57,7 @@ class _Drawn:
 
     def __init__(self, draws):
         self.draws = draws
-        self.kind = draws.choice(["switch"] * 5 + ["free", "stops", "electrode", "alone", "pushed"])
+        self.kind = draws.choice(["switch"] * 3 + ["free", "stops", "electrode", "alone", "pushed"])
         self.has_mass = self.kind not in ("alone", "pushed")
         self.scale = {"alone": 60, "pushed": 0.1}.get(self.kind, 1)
 
@@ -148,19 +147,25 @@ class _Drawn:
         return device
 
     def pulse(self):
-        of_file = {"file": "record.csv"} if self.kind != "pushed" else {"shape": "half sine"}
         blows = [{"duration": "0.4 ms"}, {"wait": "0.5 ms"}, {"repeat": 2}]
         kinds = [{}, {"shape": self.draws.choice(SHAPES)}, {"shape": self.draws.sample(SHAPES, 2)}]
-        kinds += [of_file, {"train": blows}]
+        kinds.append({"train": blows})
+        if self.kind != "pushed":  # else nothing shakes the frame
+            kinds += [{"file": "record.csv"}, {"drop": self.drop()}]
         pulse = self.draws.choice(kinds)
         return pulse | self.maybe(0.3, {"direction": self.draws.choice(["-z", "both"])}, {})
+
+    def drop(self):
+        """From so low that the free fall takes few steps."""
+        fall = {"height": self.value(0.1, 0.5, "mm"), "duration": self.value(0.1, 0.4, "ms")}
+        return fall | self.maybe(0.5, {"rebound": 0.25}, {})
 
     def sweep(self, pulse):
         N = {"from": self.value(200 * self.scale, 500 * self.scale), "points": 3}
         sweep = {"N": N | {"to": self.value(2000 * self.scale, 4000 * self.scale)}}
         if self.maybe(0.3, True):
             sweep["N"]["spacing"] = "log"
-        if not {"file", "train"} & {*pulse}:
+        if not {"file", "train", "drop"} & {*pulse}:
             kinds = ("duration", 0.2, 0.5, "ms"), ("f0", 900, 2500, "Hz")
             key, *ends = self.draws.choice(kinds)
             sweep[key] = self.maybe(0.3, [self.value(*ends)], self.axis(*ends))
@@ -170,7 +175,8 @@ class _Drawn:
         for key in self.draws.sample(known, self.draws.choice([0, 0, 1, 1, 2])):
             sweep[key] = self.axis(*AXES[key])
         sweep["horizon"] = self.value(100, 300, "us")
-        options = {"until": "snap", "start": "second", "repeat": False, "not_bistable": "skip"}
+        options = {"until": "snap", "repeat": False, "not_bistable": "skip"}
+        options |= {} if self.kind == "free" else {"start": "second"}
         return sweep | {key: value for key, value in options.items() if self.maybe(0.2, True)}
 
     def requirements(self):
@@ -185,6 +191,7 @@ class _Drawn:
             kinds = [shock | {"snaps": True, closing: self.value(0.3, 1, "ms")}]
         elif self.kind != "pushed":
             kinds.append({"name": "recorded", "file": "record.csv", "N": N, "snaps": snaps})
+            kinds.append({"name": "dropped", "drop": self.drop(), "snaps": snaps})
             levels = [["500 Hz", self.value(100, 300, "g")], ["5 kHz", self.value(100, 300, "g")]]
             kinds.append({"name": "spectrum", "srs": levels, "snaps": snaps})
             levels = [["100 Hz", "0.1 g^2/Hz"], ["2 kHz", self.value(0.05, 0.2, "g^2/Hz")]]
@@ -205,21 +212,3 @@ class _Drawn:
         known = [key for key in AXES if self.has_mass or key not in OF_MASS]
         changed = self.draws.sample(known, self.draws.choice([0, 0, 1, 5]))
         return cell | {key: self.value(*AXES[key]) for key in changed}
-
-
-def products(study):
-    """The files that a run of a study makes in results, without logs, slabs and lists."""
-    files = {"cube.nc", "threshold.nc", "thresholds.csv"}
-    made = gather("outputs", study)
-    for paths in (paths for outputs in made.values() for paths in outputs.values()):
-        listed = [paths] if isinstance(paths, str) else paths
-        files |= {path.removeprefix("results/") for path in listed}
-    drawn = {name for stems in choose_views(study).stems.values() for name in stems}
-    for folder, part in attached().items():
-        if hasattr(part, "figures") and (folder in made or folder == "boundary"):
-            drawn |= {*part.figures(study)}
-    return (
-        files
-        | {f"figures/{name}.{ending}" for name in drawn for ending in ("png", "pdf")}
-        | {"explore.html"}
-    )

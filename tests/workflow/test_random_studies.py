@@ -1,54 +1,60 @@
 """Studies of combined features, made at random, run whole or are refused before the first job."""
 
-import re
-
 import pytest
 import yaml
-from PIL import Image
-from random_studies import FILES, products, random_study
+from products import assert_whole
+from random_studies import FILES, random_study
 from small_workflow import snakemake
 
-from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.config.study import load_config
-from snapmap.study.netcdf import open_whole
-from snapmap.workflow.made import LIST
+from snapmap.config.yaml_file import ConfigError
 
 SEEDS = range(10)
+FEATURES = (
+    "force:",
+    "guide:",
+    "stops:",
+    "contact_at:",
+    "strength:",
+    "devices:",
+    "train:",
+    "file:",
+    "drop:",
+)
+FEATURES += "both", "start:", "srs:", "psd:", "close", "tolerances:", "calibration:"
+FEATURES += "histories:", "laws:", "marks:", "maps:", "spacing: log", "skip"
 
 
-def run(root, folder, text):
-    """Run a study whole and open its products, or see it refused in lines; tells whether it ran."""
+@pytest.mark.long
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_random_study_runs_whole_or_is_refused_in_lines(root, tmp_path, monkeypatch, seed):
+    monkeypatch.chdir(tmp_path)
     for name, content in FILES.items():
-        (folder / name).write_text(content)
-    (config := folder / "mine.yaml").write_text(text)
-    code, output = snakemake(root, folder, config, check=False)
+        (tmp_path / name).write_text(content)
+    (config := tmp_path / "mine.yaml").write_text(text := random_study(seed))
+    code, output = snakemake(root, tmp_path, config, check=False)
     assert "Traceback" not in output, output
-    if code != 0:
-        assert not (folder / "results").exists(), output
-        return False
-    results = folder / "results"
-    made = {path.relative_to(results).as_posix() for path in results.rglob("*.*")}
-    apart = re.compile(rf"logs/|slabs/|{LIST}$")
-    assert {name for name in made if not apart.match(name)} == products(
-        load_config(yaml.safe_load(text))
-    )
-    for path in (results / name for name in made if not apart.match(name)):
-        open_product(path)
-    return True
-
-
-def open_product(path):
-    """Open a product; a file that is not whole is a fault."""
-    if path.suffix == ".nc":
-        with open_whole(path) as dataset:
-            assert dataset.attrs["config"]
-    elif path.suffix == ".png":
-        with Image.open(path) as image:
-            image.verify()
-    elif path.suffix == ".pdf":
-        assert path.read_bytes()[:5] == b"%PDF-"
-        assert path.read_bytes().rstrip().endswith(b"%%EOF")
-    elif path.name == "requirements.csv":
-        assert read_verdicts(path)
+    if code == 0:
+        assert_whole(tmp_path, load_config(yaml.safe_load(text)))
     else:
-        assert path.stat().st_size > 0
+        assert not (tmp_path / "results").exists(), output
+
+
+def test_random_studies_have_all_features_and_are_read_or_refused_in_lines(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, content in FILES.items():
+        (tmp_path / name).write_text(content)
+    documents = [yaml.safe_load(random_study(seed)) for seed in range(100, 130)]
+    read = [load_config(document) for document in documents if not is_refused(document)]
+    assert len(read) > 20
+    for feature in FEATURES:
+        assert any(feature in yaml.safe_dump(document) for document in documents), feature
+
+
+def is_refused(document):
+    try:
+        load_config(document)
+    except ConfigError as error:
+        assert all(": " in line for line in str(error).splitlines())
+        return True
+    return False

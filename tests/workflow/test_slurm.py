@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from products import assert_whole
 from small_studies import TINY
 from small_workflow import wait_for
 
@@ -200,4 +201,4 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
         f"rule_simulate_slab_wildcards_{name}": ("1", f"{request.mem_mb}M")
         for name, request in zip(names, plan.requests, strict=True)
     }
-    assert len(list((folder / "results" / "figures").glob("*.pdf"))) > 8
+    assert_whole(folder, study)
