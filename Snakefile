@@ -39,7 +39,7 @@ from snapmap.study.provenance import (
     hash_drawing,
     hash_numbers,
 )
-from snapmap.applications import attached, functions, gather
+from snapmap.applications import attached, functions, gather, refuse_all
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.workflow.products import choose_views
@@ -76,6 +76,8 @@ try:
     extra = gather("alone", study), functions("observing")
     plan = make_plan(study.grid, study.model, study.settings, *extra)
     warnings = doubts(study)
+    if workflow.is_main_process:
+        refuse_all(study)
 except ValueError as error:
     sys.exit(str(error))  # Snakemake would put words of its own around it
 

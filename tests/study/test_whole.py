@@ -52,7 +52,7 @@ def test_a_flipped_or_cut_file_is_named(product):
             open_whole(product)
 
 
-FIGURES = {"window": {"axes": {}}, "explore.html": {"horizon": 0}}
+FIGURES = {"window": {"axes": {}}, "explore": {"horizon": 0}}
 READERS = dict.fromkeys([draw.draw_study, page.draw, stress.run, window.draw], FIGURES)
 READERS |= {calibration.draw: FIGURES, statics.draw: {"statics": {}}, tolerances.draw: FIGURES}
 

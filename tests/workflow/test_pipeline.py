@@ -173,6 +173,20 @@ def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, f
         assert made > {*USERS, "results/logs/find_window.log"}
 
 
+PUSHED = TINY.replace("gravity: 9.81 m/s^2", "force: 1 uN").replace("mass: 6e-9 kg", "mass: none")
+PUSHED = re.sub("(?m)^  (spring|contact|strength|C):.*\n", "", PUSHED.partition("histories")[0])
+
+
+@pytest.mark.parametrize("more", ["", "maps: []", "{maps: [], thresholds: []}"])
+def test_a_study_without_some_figures_is_planned(clone, tmp_path, more):
+    """A force gives no damage boundary."""
+    text = yaml.safe_dump(yaml.safe_load(PUSHED) | (yaml.safe_load(more) or {}))
+    (config := tmp_path / "mine.yaml").write_text(text)
+    _, output = snakemake(clone, tmp_path, config, "--dry-run")
+    assert {"find_threshold", "draw_study"} < planned_rules(output).keys()
+    assert "damage_boundary" not in output and "results/explore.html" in output
+
+
 @pytest.mark.parametrize("cores", ["0", "-1"])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
     options = f"--cores={cores}", "--dry-run"
@@ -335,7 +349,7 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     study = study_of(EVERY_PRODUCT)
     stems = {stem for several in choose_views(study).stems.values() for stem in several}
     stems |= {stem for figures in gather("figures", study).values() for stem in figures}
-    assert figures_of(tmp_path) == files_of(stems - {"explore.html", "window"})
+    assert figures_of(tmp_path) == files_of(stems - {"explore", "window"})
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
         assert "crash" in text and "shaking" in text

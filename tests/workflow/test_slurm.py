@@ -13,13 +13,17 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from products import assert_whole
 from small_studies import TINY
 from small_workflow import wait_for
 
 from snapmap.config.study import load_config
+from snapmap.sweeps.slabs import slab_name
 from snapmap.workflow.plan import make_plan
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sinfo", "sbatch", "srun")
+IN_SLABS = TINY.replace("points: 8", "points: 8000")
+"""A grid that takes longer than the start of a job: a slab for each C."""
 SLURM = (Path(__file__).parent / "slurm.conf").read_text()
 # Any plugin that starts without a mounted cgroup: nothing above uses one.
 CGROUP = "CgroupPlugin=cgroup/v1\n"
@@ -122,7 +126,7 @@ def clone(cluster, root, tmp_path_factory):
 
 def workflow(clone, folder, *options):
     """The command that makes a study in `folder`."""
-    (folder / "tiny.yaml").write_text(TINY)
+    (folder / "tiny.yaml").write_text(IN_SLABS)
     command = [clone / "run", "snakemake", "--snakefile", clone / "Snakefile"]
     return [*command, "--configfile", folder / "tiny.yaml", "--directory", folder, *options]
 
@@ -180,14 +184,21 @@ def test_the_cube_is_that_of_a_local_run_bit_for_bit(clone, remote, tmp_path):
 def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     folder, jobs = remote
     assert all(job["JobState"] == "COMPLETED" and job["NodeList"] == "one" for job in jobs)
-    slabs = {path.stem for path in (folder / "results" / "slabs").glob("*.nc")}
+    study = load_config(yaml.safe_load(IN_SLABS))
+    plan = make_plan(study.grid, study.model, study.settings)
+    names = [slab_name(study, slab) for slab in plan.slabs]
+    assert {*names} == {path.stem for path in (folder / "results" / "slabs").glob("*.nc")}
     asked = {job["Comment"]: (job["NumCPUs"], job["MinMemoryNode"]) for job in jobs}
     (drawing,) = (comment for comment in asked if comment.startswith("rule_figures_"))
     processors, memory = asked.pop(drawing)
     assert processors == "4" and int(memory.rstrip("M")) >= 2000, "all figures in one job"
-    assert slabs and asked == {
+    assert len(names) == 2 and asked == {
         "rule_find_threshold": ("2", "2000M"),
         "rule_find_stress": ("2", "2000M"),
-        "rule_simulate_all": ("1", "2000M"),
+        "rule_simulate_histories": ("1", "1000M"),
+        "rule_collect": ("1", "2000M"),
+    } | {
+        f"rule_simulate_slab_wildcards_{name}": ("1", f"{request.mem_mb}M")
+        for name, request in zip(names, plan.requests, strict=True)
     }
-    assert len(list((folder / "results" / "figures").glob("*.pdf"))) > 8
+    assert_whole(folder, study)

@@ -3,12 +3,13 @@
 in_search = study.inputs(*THRESHOLD_SETTINGS)
 axes = {key: values.tolist() for key, values in study.axes.items()}
 making = gather("outputs", study)
-drawing_of = {
+figures_by_name = {
     name: application.figures(study)
     for name, application in attached().items()
     if hasattr(application, "figures")
     and (name in making or hasattr(application, "drawn_from"))
 }
+drawing_of = {name: made for name, made in figures_by_name.items() if made}
 is_quick = {name: hasattr(part, "quick") for name, part in attached().items()}
 quick = {name: files for name, files in making.items() if is_quick[name]}
 slow = [name for name in making if not is_quick[name]]

@@ -56,19 +56,28 @@ def constant(value):
     return lambda wildcards: value
 
 
-def files_of(stem, caption, category):
+def saved_in(application=None):
+    """Give the folder of the figures of an application, or of the core."""
+    return getattr(application, "saved_in", "results/figures")
+
+
+def files_of(name, caption, category, application=None):
     """List the files of a figure, of which the report shows the first."""
-    paths = [f"results/figures/{stem}.{ending}" for ending in ("png", "pdf")]
-    first, *others = paths if "." not in stem else [f"results/{stem}"]
-    shown = report(first, caption, category=category, labels={"figure": stem})
-    return [shown, *others]
+    endings = getattr(application, "endings", ("png", "pdf"))
+    paths = [f"{saved_in(application)}/{name}.{ending}" for ending in endings]
+    shown = report(paths[0], caption, category=category, labels={"figure": name})
+    return [shown, *paths[1:]]
 
 
 def figures_of(name):
     """List the files of all figures of an application."""
     application = attached()[name]
     about = str(Path(application.__file__).with_name("caption.rst")), application.part
-    return [path for stem in drawing_of[name] for path in files_of(stem, *about)]
+    return [
+        path
+        for figure in drawing_of[name]
+        for path in files_of(figure, *about, application)
+    ]
 
 
 def figures(caption):
@@ -83,8 +92,7 @@ def drawing_arguments(name):
     paths = {
         f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
     }
-    folder = str(Path(figures_of(name)[0]).parent)
-    return drawing_of[name], paths | {"folder": folder}
+    return drawing_of[name], paths | {"folder": saved_in(attached()[name])}
 
 
 def is_drawn_with_the_study(name):

@@ -48,7 +48,7 @@ def page_file(cube, tmp_path_factory):
     for dataset, path in zip((cube, edges_of(cube)), paths, strict=True):
         write(dataset, path)
     drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
-    draw({"explore.html": drawing}, folder, *paths)
+    draw({"explore": drawing}, folder, *paths)
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pyyeti import srs as reference
 
 import snapmap
 from snapmap.applications.spectra.psd import Spectrum
@@ -21,6 +20,9 @@ from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.verdicts import check_spectra
 from snapmap.applications.spectra.vibration import _level, fit_rates
 from snapmap.solver.settings import Settings
+
+with np.printoptions():  # which this package changes for all
+    from pyyeti import srs as reference
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 

@@ -11,6 +11,8 @@ is its contract, in which every name is optional:
     request(section, study, document)   its section as `study.requests` holds it; ValueError, one
                     line, for what the study cannot have
     files(study)    SHA-256 of the files that its section names, by path
+    refuse(study)   raises ValueError, one line, for what a few runs show that its job cannot make;
+                    called once, before the first job
     doubts(study)   lines about values that are probably mistakes
     marks(study)    shocks that maps of cells show: name, f0 (Hz), N, and a list of pulse,
                     direction and start under which the shock counts
@@ -29,7 +31,9 @@ is its contract, in which every name is optional:
     cost(study)     core time of its job, s, if `check` should tell it
     quick           true if the job of the thresholds makes and draws its product as well, as a
                     job of its own would take longer to start than to run
-    figures(study)  arguments of `draw` by the stem of a figure
+    figures(study)  arguments of `draw` by the name of a figure; empty if there is none to draw
+    saved_in, endings   folder of these figures, and the endings of the files that each of them is;
+                    by default results/figures, png and pdf
     drawn_from(study)   files that `draw` reads, by name; by default its outputs
     draw(figures, folder, ...)   draws them; takes NAME_path of these files
     part            heading of its figures in the report; their caption is caption.rst
@@ -79,6 +83,16 @@ def gather(part: str, *arguments: object) -> dict[str, object]:
 def functions(part: str) -> list[Callable]:
     """Return a part of each application that has it."""
     return [getattr(module, part) for module in attached().values() if hasattr(module, part)]
+
+
+def refuse_all(study: object) -> None:
+    """Refuse a study before its first job; a ValueError, one line, names the key."""
+    for folder, module in attached().items():
+        if hasattr(module, "refuse"):
+            try:
+                module.refuse(study)
+            except ValueError as error:
+                raise ValueError(f"{key_of(folder, module)}: {error}") from None
 
 
 def merge(part: str, *arguments: object) -> dict:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
+from ..files.text import exact, stem_of
 from ..numerics.portable import evenly
 from ..study.axes import DURATION, NAMES, PULSE_AXES, Grid, axis_behind
 from .units import read, show
@@ -108,16 +109,16 @@ def choose_maps(
     return tuple(view._replace(name=MAPS) if view.is_of_cells else view for view in views), line
 
 
-def batch_places(grid: Grid, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
-    """Give a place for each combination of names, by the ending that names of figures get.
+def batch_places(grid: Grid, figure: str, of: Collection[str] = NAMES) -> dict[str, dict[str, int]]:
+    """Give a place for each combination of names, by the name of the figure there.
 
-    of: axes of names that are combined
+    figure: what it shows, as its name begins; of: axes of names that are combined
     """
     names = [key for key in _names(grid) if key in of]
     places = {}
     for place in product(*(range(grid.axes[key].size) for key in names)):
         at = dict(zip(names, place, strict=True))
-        places["".join(f"_{value_name(key, grid.axes[key], i)}" for key, i in at.items())] = at
+        places[stem_of(figure, *(value_name(key, grid.axes[key], i) for key, i in at.items()))] = at
     return places
 
 
@@ -211,13 +212,13 @@ def _name(grid, stem, at):
         for key, place in at.items()
         if grid.axes[key].size > 1 or key == "C"
     ]
-    return "_".join([stem, *parts])
+    return stem_of(stem, *parts)
 
 
 def value_name(key: str, values: np.ndarray, place: int) -> str:
     """Write a value of an axis for a file's name, as short as differs from all other values."""
     if key in NAMES:
-        return str(values[place]).replace(" ", "_")
+        return str(values[place])
     words = [f"{value:.6g}" for value in values]
-    word = words[place] if words.count(words[place]) == 1 else f"{values[place]:.15g}"
-    return f"{key}{word.replace('inf', 'hard')}"
+    is_short = np.isfinite(values[place]) and words.count(words[place]) == 1
+    return key + (words[place] if is_short else exact(values[place]))

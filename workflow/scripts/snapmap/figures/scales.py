@@ -112,8 +112,13 @@ def tick(
 ) -> None:
     """Put ticks at round numbers between the ends of an axis, as close as there is room.
 
+    An axis on which nothing was drawn has no ends, and gets no ticks.
     beside: axis of the same length, for a secondary axis, which does not know its own length yet
     """
+    if not (0.0 if is_log else -math.inf) < low < high:
+        axis.set_ticks([])
+        axis.set_ticks([], minor=True)
+        return
     decades = math.log10(high / low) if is_log else 0.0
     if decades < SHORT:
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 3, 5, 10]))
@@ -190,6 +195,8 @@ def number(value: float | str, digits: int = 4) -> str:
     """Write a value in some digits, with spaces between thousands; names stay as they are."""
     if isinstance(value, str):
         return value
+    if math.isnan(value):
+        return "?"
     if value == math.inf:
         return "hard"
     sign, size = "−" if value < 0 else "", plain(abs(value), digits)

@@ -19,6 +19,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
+from numpy.typing import ArrayLike
 
 from ..device.quantities import QUANTITIES, plain
 from ..files.atomic import replacing
@@ -32,6 +33,9 @@ HARD = "\u00a0"
 """A space at which no line breaks."""
 DPI = 300
 """Resolution of PNG, and of rasters in PDF."""
+NOTHING = {"ha": "center", "va": "center", "fontsize": 7, "color": "0.3", "zorder": 5}
+NOTHING |= {"bbox": {"facecolor": "white", "linewidth": 0}}
+"""Look of the words in axes without data."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
 PLACING = {"GDEF", "GPOS", "GSUB", "kern"}
 """Tables of a font that a PDF, which places each glyph itself, never reads."""
@@ -133,6 +137,15 @@ def fit(figure: Figure, ratio: float) -> None:
             y0 += (rows - spec.rowspan.stop) * growth
             y1 += (rows - spec.rowspan.start) * growth
         ax.set_position([place.x0, y0 / after, place.width, (y1 - y0) / after])
+
+
+def note_missing(ax: Axes, values: ArrayLike, why: str) -> bool:
+    """Tell whether none of the values that axes show is finite, and if so, say why in the axes."""
+    if np.isfinite(values).any():
+        return False
+    words = textwrap.fill(f"nothing to show: {why}", COLUMN)
+    ax.text(0.5, 0.5, words, transform=ax.transAxes, **NOTHING)
+    return True
 
 
 @contextmanager

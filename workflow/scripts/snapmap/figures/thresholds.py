@@ -12,6 +12,7 @@ DOUBTFUL = 0.01
 """Share of the threshold above which error bars are marked."""
 BOUND = {"color": "0.4", "linewidth": 0.6, "linestyle": ":", "zorder": 1.5}
 BOUND["label"] = "below it nothing snaps, by energy"
+NONE_KNOWN = "no threshold is known"
 STAYS = curves.STAYS | {"label": "latched at all tested $N$ above"}
 
 
@@ -32,6 +33,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     if surface.islands.any():
         keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
+    style.note_missing(ax, surface.N_first, NONE_KNOWN)
     style.legend(ax, keys, title(surface, style.PAGE))
     return ax
 
@@ -93,6 +95,7 @@ def draw_threshold_map(ax: Axes, surface: xr.Dataset, x: str, y: str) -> Axes:
     surface = surface.sortby([key for key in (x, y) if surface[key].dtype.kind in "fiu"])
     across = plane.open_plane(ax, surface, x, y)
     N = surface.N_first.transpose(y, x).values
+    style.note_missing(ax, N, NONE_KNOWN)
     field = plane.fill_field(ax, surface.N_first, *across, cmap="cividis")
     counted = any(scale.is_counted for scale in across)
     if min(N.shape) > 1 and np.isfinite(N).all() and not counted:

@@ -1,5 +1,7 @@
 """Text for messages and tables: values in one line, names, and tables in Markdown."""
 
+import hashlib
+import math
 import re
 import reprlib
 from collections.abc import Iterable, Sequence
@@ -10,6 +12,8 @@ import numpy as np
 
 LONGEST = 60
 """Most characters of a value in a message."""
+LONGEST_STEM = 80
+"""Most characters of a file's name that is made of values, without its ending."""
 
 
 def show(value: object) -> str:
@@ -47,6 +51,26 @@ SIGNS = '<>&|"`*[]\\'
 def is_showable(text: str) -> bool:
     """Return whether a text is without SIGNS, and without those that steer a terminal."""
     return text.isprintable() and not set(SIGNS).intersection(text)
+
+
+def exact(value: float) -> str:
+    """Write a number for a file's name, in as few digits from 15 on as give it back."""
+    words = (f"{value:.{digits}g}" for digits in (15, 16, 17))
+    return "hard" if value == math.inf else next(word for word in words if float(word) == value)
+
+
+def stem_of(*words: str) -> str:
+    """Join words to the name of a file without its ending, unique to them.
+
+    A name that is too long is cut, and a sign that no file should have replaced by `_`; then the
+    name ends with the beginning of the SHA-256 of all words.
+    """
+    whole = "_".join(words).replace(" ", "_")
+    name = re.sub(r"[^\w.+-]", "_", whole, flags=re.ASCII)
+    if name == whole and len(name) <= LONGEST_STEM:
+        return name
+    ending = f"_{hashlib.sha256(whole.encode()).hexdigest()[:8]}"
+    return name[: LONGEST_STEM - len(ending)] + ending
 
 
 DASH = "–"

@@ -7,9 +7,12 @@ DEVIATIONS = 1.959963984540054
 
 
 def percents(*shares: float) -> str:
-    """Write shares in per cent, from the lowest to the highest, or once if both read alike."""
+    """Write shares in per cent, from the lowest to the highest, or once if both read alike.
+
+    A share that is not known, NaN, is a question mark.
+    """
     ends = dict.fromkeys(f"{100 * float(end):.1f}" for end in (min(shares), max(shares)))
-    return f"{' to '.join(ends)} %"
+    return f"{' to '.join(ends)} %".replace("nan", "?")
 
 
 def scope(share) -> str:

@@ -67,7 +67,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
-        from ..applications import functions, gather
+        from ..applications import functions, gather, refuse_all
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
@@ -80,6 +80,7 @@ def check(config: Path) -> None:
     plan = make_plan(
         study.grid, study.model, study.settings, gather("alone", study), functions("observing")
     )
+    refuse_all(study)
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())

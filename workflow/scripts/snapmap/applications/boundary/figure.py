@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from ...figures import curves, plane, scales, style
-from ...figures.thresholds import draw_statics, title
+from ...figures.thresholds import NONE_KNOWN, draw_statics, title
 
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
 SHADE = {"color": "black", "alpha": 0.08, "linewidth": 0, "zorder": 0}
@@ -43,6 +43,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
         *style.labelled([ax]),
         Patch(**SHADE, label=words),
     ]
+    style.note_missing(ax, thresholds.N_first, NONE_KNOWN)
     style.legend(ax, keys, title(thresholds, style.COLUMN), 2)
     return ax
 

@@ -34,6 +34,22 @@ def files(study):
     return study.requests["calibration"].files if study.requests["calibration"] else {}
 
 
+def refuse(study):
+    """Raise ValueError, one line, for shots that no device of the ranges can give."""
+    from .dataset import require_near
+    from .surface import logs_at_ends
+
+    if study.requests["calibration"]:
+        shots, _, unknowns, C = study.requests["calibration"]
+        require_near(shots, logs_at_ends(_of_shots(study), shots.groups, unknowns, C))
+
+
+def _of_shots(study):
+    from dataclasses import replace
+
+    return replace(study.of_thresholds(), shocks=study.shocks.first())
+
+
 def outputs(study):
     """The estimates."""
     return {"calibration": "results/calibration.nc"} if study.requests["calibration"] else {}
@@ -46,14 +62,11 @@ def params(study):
 
 def run(study, path):
     """Fit the unknowns to the shots."""
-    from dataclasses import replace
-
     from ...study.netcdf import write_product
     from .dataset import calibration_of, summary
 
     shots, _, unknowns, C = study.requests["calibration"]
-    of_shots = replace(study.of_thresholds(), shocks=study.shocks.first())
-    write_product(calibration_of(of_shots, shots, unknowns, C), path, summary)
+    write_product(calibration_of(_of_shots(study), shots, unknowns, C), path, summary)
 
 
 def figures(study):

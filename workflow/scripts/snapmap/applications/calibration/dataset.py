@@ -109,8 +109,20 @@ def calibrate(
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
     """Estimate values of a study's device from shots, as `calibrate` returns them."""
     surface = surface_of(study, shots.groups, unknowns, C)
-    corners = surface.logs.reshape(-1, len(shots.groups))
-    low, high = (end[shots.group] for end in (corners.min(axis=0), corners.max(axis=0)))
+    require_near(shots, surface.logs.reshape(-1, len(shots.groups)))
+    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges}}
+    if C is not None:
+        document["calibration"]["C"] = float(C)
+    return dress("calibration", fit(shots, surface), document)
+
+
+def require_near(shots: Shots, logs: np.ndarray) -> None:
+    """Raise ValueError, one line, if no shot is near a threshold of the ranges.
+
+    logs: ln N_first at points of the ranges, (points, groups)
+    """
+    low, high = (end[shots.group] for end in (logs.min(axis=0), logs.max(axis=0)))
     log_N = np.log(shots.N)
     if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
         raise ValueError(
@@ -118,11 +130,6 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
             f"unknowns give {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
             "is N in multiples of g?"
         )
-    ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges}}
-    if C is not None:
-        document["calibration"]["C"] = float(C)
-    return dress("calibration", fit(shots, surface), document)
 
 
 def fit(shots: Shots, surface: Surface) -> xr.Dataset:

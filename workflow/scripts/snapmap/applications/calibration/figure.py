@@ -10,7 +10,7 @@ from matplotlib.figure import FigureBase
 from ...device.quantities import QUANTITIES
 from ...figures.plane import POINT, TRIPPED
 from ...figures.scales import axis_label, number, scale_of, study_axis, tick
-from ...figures.style import PAGE, labelled, legend, literal
+from ...figures.style import PAGE, labelled, legend, literal, note_missing
 from ...numerics.statistics import DEVIATIONS
 
 THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}
@@ -56,6 +56,7 @@ def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
     wide = np.exp(DEVIATIONS * data.spread.sel(bound="estimate").item())
     study_axis(ax, scale_of("f0", f0))
     ax.set_xlim(min(f0[0], data.f0.min() / WIDEST), max(f0[-1], data.f0.max() * WIDEST))
+    note_missing(ax, middle, "no threshold was fitted")
     ends = data.N.values.min() / WIDEST, data.N.values.max() * WIDEST
     ax.set(yscale="log", ylim=ends, ylabel=axis_label("N", data.attrs))
     tick(ax.yaxis, *ends)

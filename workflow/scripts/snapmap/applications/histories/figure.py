@@ -42,7 +42,9 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         shock.set_ylabel(f"acceleration\n({style.multiples(history.attrs)})")
     shock.set_xlabel("time after the start of the pulse (ms)")
     snap = snap_time(history) / 1e3
-    for ax in axes:
+    shown = history.w_mid, history.contact_force, shock.lines[0].get_ydata()
+    for ax, values in zip(axes, shown, strict=True):
+        style.note_missing(ax, values, "the run failed")
         ax.margins(x=0)
         if not math.isnan(snap):
             ax.axvline(snap, color=AID, linestyle=":")

@@ -12,6 +12,7 @@ from ...config.units import show
 from ...config.views import frequency_of
 from ...device.argument import Argument
 from ...device.device import VALUES, Device, batch
+from ...files.text import exact, stem_of
 from ...study.axes import DEVICE
 
 
@@ -79,18 +80,21 @@ def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
         changes = {DEVICE: name} | changes
     f0 = frequency_of(cell["duration"]) if "duration" in cell else cell["f0"]
     parts = {"N": cell["N"], "f": f0, "C": cell["C"], **changes}
-    words = "_".join(v if k == DEVICE else f"{k}{v:.15g}" for k, v in parts.items())
-    return History(words.replace("inf", "hard"), device, cell["N"], f0, cell["C"], changes)
+    words = (v if k == DEVICE else f"{k}{exact(v)}" for k, v in parts.items())
+    return History(stem_of(*words), device, cell["N"], f0, cell["C"], changes)
 
 
 def read_cells(
     sections: Sequence[CellSection], device: Device | Mapping[str, Device]
 ) -> tuple[History, ...]:
     """Take the cells of a config; raises ValueError, one line, for an invalid cell."""
-    cells = []
+    cells = {}
     for place, section in enumerate(sections):
         try:
-            cells.append(read_cell(section.given, device))
+            cell = read_cell(section.given, device)
+            if cell.name in cells:
+                raise ValueError(f"{cell.name} is there already; leave it out")
         except ValueError as error:
             raise ValueError(in_list(place, str(error))) from None
-    return tuple(cells)
+        cells[cell.name] = cell
+    return tuple(cells.values())

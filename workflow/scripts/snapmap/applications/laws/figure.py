@@ -1,13 +1,16 @@
 """Simulated thresholds over f0, the three laws, and where each holds to 1 %."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ...figures import curves, scales, style
+from ...figures.thresholds import NONE_KNOWN
 
 DASHES = {"law of the dwell time, and half of it": "--", "law of the velocity change": ":"}
 SADDLES = {"saddle with $r < 0$": "-", "saddle with $r > 0$": "-."}
+DELAYS = "snap_scale", "dwell", "saddle_scale"
 HOLDING = {"linewidth": 4, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1}
 THIN = {"color": "0.4", "linewidth": 0.8}
 
@@ -31,7 +34,10 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
     keys = [Line2D([], [], label=words, **look) for words, look in looks.items()]
     top.set(yscale="log", ylabel=scales.axis_label("N", laws.attrs))
-    top.set_ylim(laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2)
+    if not style.note_missing(top, laws.N_first, NONE_KNOWN):
+        top.set_ylim(laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2)
+    delays = np.concatenate([laws[key].values.ravel() for key in DELAYS])
+    style.note_missing(below, delays, "the law of the dwell time does not hold here")
     below.set(xlabel=top.get_xlabel(), yscale="log", ylabel="delay per factor e (µs)")
     top.set_xlabel("")
     for ax in (top, below):

@@ -82,6 +82,7 @@ def _snap_scales(study, device, pulse, thresholds):
 def summary(laws: xr.Dataset) -> str:
     """Write the laws at the first C in a line."""
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
-    N, dwell, v, delay = (plain(laws[key].item()) for key in (*keys, "saddle_scale"))
+    numbers = (laws[key].item() for key in (*keys, "saddle_scale"))
+    N, dwell, v, delay = (plain(number) if np.isfinite(number) else "?" for number in numbers)
     slow, short = f"a slow shock trips it above N = {N} for longer than {dwell} us", f"{v} m/s"
     return f"{slow}, a short one by {short}; a factor e nearer a snap is {delay} us later"

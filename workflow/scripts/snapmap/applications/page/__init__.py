@@ -1,6 +1,7 @@
 """The page to explore a study in a browser.  Imports: core alone."""
 
 part = "4 Page"
+saved_in, endings = "results", ("html",)
 
 
 def drawn_from(study):
@@ -9,7 +10,7 @@ def drawn_from(study):
 
 
 def figures(study):
-    """The page by the name of its file, with what the cube does not hold."""
+    """The page, with what the cube does not hold."""
     from .. import gather
 
     marks, start = gather("marks", study).values(), study.settings.start
@@ -20,7 +21,7 @@ def figures(study):
         for name, f0, N, pushed in shocks
     ]
     shown = {"title": study.title, "pulse": study.pulse, "required": required}
-    return {"explore.html": {"horizon": study.settings.horizon, **shown}}
+    return {"explore": {"horizon": study.settings.horizon, **shown}}
 
 
 def draw(figures, folder, cube_path, threshold_path):
@@ -31,4 +32,4 @@ def draw(figures, folder, cube_path, threshold_path):
 
     with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
         for name, arguments in figures.items():
-            write_text(page(cube, thresholds, **arguments), f"{folder}/{name}")
+            write_text(page(cube, thresholds, **arguments), f"{folder}/{name}.html")

@@ -23,6 +23,8 @@ def draw_statics(figure: Figure, statics: xr.Dataset) -> None:
     force, energy = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     draw_force_displacement(force, statics)
     draw_energy(energy, statics)
+    for ax, values in ((force, statics.force), (energy, statics.energy)):
+        style.note_missing(ax, values, "no path of the beam is known")
     force.label_outer()
     style.legend(figure, style.labelled([force]), ncols=2)
 

@@ -89,13 +89,10 @@ def figures(study):
     from ...config.views import batch_places
     from ...study.axes import DEVICE
 
-    stems = {}
-    for ending, at in batch_places(study.grid).items():
-        stems |= {f"{name}{ending}": {"at": at} for name in ("probability", "sensitivity")}
+    places = batch_places(study.grid, "probability") | batch_places(study.grid, "sensitivity")
     if shocks_of(study):
-        yields = batch_places(study.grid, of=[DEVICE])
-        stems |= {f"yield{ending}": {"at": at} for ending, at in yields.items()}
-    return stems
+        places |= batch_places(study.grid, "yield", of=[DEVICE])
+    return {name: {"at": at} for name, at in places.items()}
 
 
 def draw(figures, folder, tolerance_path):

@@ -93,6 +93,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
     ax.set_title(place_text(data))
+    style.note_missing(ax, data.probability, "no share of devices is known")
     f0, N = scale_of("f0", data.f0.values), scale_of("N", data.N.values)
     if f0.values.size == 1:
         shares = data.squeeze("f0")
@@ -173,6 +174,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     if must != SNAPS[ANY]:
         where.append(f"met by {percents(data.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+    style.note_missing(ax, known, "no device has a threshold")
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
@@ -218,8 +220,10 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     label = "share of devices that meet it"
     if counted := scope(data["yield"]).removeprefix(", "):
         label += f"; all together: {counted}"
-    room = ROOM * (1 - bounds.min())
-    ax.set(xlim=(bounds.min() - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
+    least = np.nanmin(bounds, initial=1.0)
+    room = ROOM * (1 - least) or ROOM
+    ax.set(xlim=(least - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
+    style.note_missing(ax, shares, "no share of devices is known")
     ax.set_xlabel(textwrap.fill(label, style.COLUMN * 2))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)

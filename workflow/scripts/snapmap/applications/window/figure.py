@@ -51,6 +51,7 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
         ax.set_title(title)
         ax.label_outer()
         grid = [between(scale.places, 1) for scale in across]
+        style.note_missing(ax, field, "no device, or not known")
         if levels:
             _fill_window(ax, grid, reserve, least)
             for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):

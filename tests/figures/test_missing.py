@@ -1,0 +1,170 @@
+"""Figures with all of their data missing, with one value, and with one among missing ones."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.text import Text
+from small_results import make_cells, make_found
+
+import snapmap
+from snapmap.applications.boundary.figure import draw_damage_boundary
+from snapmap.applications.calibration.figure import draw_calibration
+from snapmap.applications.histories.figure import draw_history
+from snapmap.applications.laws.figure import draw_laws
+from snapmap.applications.laws.laws import laws_of
+from snapmap.applications.requirements.figure import draw_margins
+from snapmap.applications.statics.figure import draw_statics
+from snapmap.applications.tolerances.figure import draw_stem
+from snapmap.applications.window.figure import draw_window
+from snapmap.applications.window.window import window_of
+from snapmap.figures import maps, style, thresholds
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.settings import Settings
+from snapmap.study.study import Study
+
+MODEL = {"model": "cosines", "modes": 3}
+SHORT = MODEL | {"horizon": 100.0}
+REQUIRED = [
+    {
+        "name": "crash",
+        "N": 2000.0,
+        "f0": 1500.0,
+        "snaps": True,
+        "survives": 0.9,
+        "shocks": make_shocks(),
+    }
+]
+SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
+ROW = {"requirement": "crash", "must_snap": True, "verdict": "failed", "start": "first"}
+ROW |= {"device": "", "shape": "sine", "direction": "+z", "temperature": 20.0, "C": 25.0}
+ROW |= {"margin": 1.2, "margin_error": 0.1, "break_probability": 0.0, "must_survive": 0.9}
+VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
+
+
+@pytest.fixture(scope="module")
+def made(handout):
+    """A small result behind each figure, by the function that draws it."""
+    study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Settings(100.0))
+    axes = {"C": [25.0], "f0": [500.0, 1500.0]}
+    made = snapmap.tolerance(
+        handout,
+        {"thickness": 0.05},
+        [500.0, 1500.0],
+        [25.0],
+        samples=4,
+        index_samples=4,
+        requirements=REQUIRED,
+        **SHORT,
+    )
+    edges = snapmap.threshold(handout, **axes, **MODEL)
+    return {
+        "cells": make_cells(["2225", "2022", "0020", "0100"]),
+        "thresholds": make_found(),
+        "laws": laws_of(study, study.set_out(axes), edges),
+        "history": snapmap.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
+        "statics": snapmap.statics(handout),
+        "tolerances": made,
+        "calibration": snapmap.calibrate(
+            handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL
+        ),
+        "verdicts": VERDICTS,
+        "window": window_of(
+            study, {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}, REQUIRED
+        ),
+    }
+
+
+def rows_of(verdicts):
+    return [
+        {key: verdicts[key].values[i].item() for key in verdicts} for i in range(verdicts.row.size)
+    ]
+
+
+def on_axes(draw, *arguments, **options):
+    return lambda data, figure: draw(figure.subplots(), data, *arguments, **options)
+
+
+FIGURES = {
+    "snaps": ("cells", on_axes(maps.draw_map)),
+    "times": ("cells", on_axes(maps.draw_map, shows="times")),
+    "ends": ("cells", on_axes(maps.draw_map, shows="ends")),
+    "maps": (
+        "cells",
+        lambda cells, figure: maps.draw_maps(
+            figure, [(cells, None, ())] * 2, "f0", "N", (), "times"
+        ),
+    ),
+    "thresholds": ("thresholds", on_axes(thresholds.draw_thresholds)),
+    "fields": ("thresholds", on_axes(thresholds.draw_threshold_map, "f0", "C")),
+    "boundary": ("thresholds", on_axes(draw_damage_boundary)),
+    "laws": ("laws", lambda laws, figure: draw_laws(figure, laws)),
+    "history": (
+        "history",
+        lambda data, figure: draw_history(figure.subplots(3, sharex=True), data),
+    ),
+    "statics": ("statics", lambda data, figure: draw_statics(figure, data)),
+    "probability": ("tolerances", None),
+    "sensitivity": ("tolerances", None),
+    "yield": ("tolerances", None),
+    "calibration": ("calibration", lambda data, figure: draw_calibration(figure, data)),
+    "margins": ("verdicts", lambda data, figure: draw_margins(figure.subplots(), rows_of(data))),
+    "window": ("window", lambda data, figure: draw_window(figure, data, "thickness", "C")),
+}
+
+
+GIVEN = "N", "f0", "N_required", "C", "temperature", "must_survive"
+"""Numbers that a user gives: they are never missing."""
+
+
+def lost(data, kept):
+    """The data, with as many first numbers of each computed variable as are kept, others NaN."""
+
+    def lose(values):
+        if values.dtype.kind != "f" or values.name in GIVEN:
+            return values
+        remaining = np.arange(values.size).reshape(values.shape) < kept
+        return values.where(remaining)
+
+    return data.map(lose, keep_attrs=True)
+
+
+def single(data):
+    """The data at the first value of each axis."""
+    axes = {"f0", "N", "C", "thickness", "shot", "row", "time", "displacement", "step"}
+    return data.isel({key: [0] for key in axes & {*data.dims}})
+
+
+LOSSES = {
+    "missing": lambda data: lost(data, 0),
+    "alone": lambda data: lost(data, 1),
+    "single": single,
+}
+SAYING = (
+    "nothing to show: ",
+    "no threshold",
+    "does not snap",
+    "not known",
+    "snaps at no $N$",
+    "cells)",
+)
+
+
+@pytest.mark.usefixtures("paper")
+@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_drawn_without_its_data_and_says_what_is_missing(made, monkeypatch, name, loss):
+    if (name, loss) == ("window", "single"):
+        return  # it has several values on both axes, or is not made
+    kind, draw = FIGURES[name]
+    data, saved = LOSSES[loss](made[kind]), []
+    monkeypatch.setattr(style, "save", lambda figure, *_: saved.append(figure))
+    if kind == "tolerances":  # its figures save themselves
+        draw_stem(name, data, data.attrs)
+    else:
+        with style.saved(name, data.attrs, 3.4) as figure:
+            draw(data, figure)
+    (figure,) = saved
+    figure.draw_without_rendering()
+    texts = [text.get_text() for text in figure.findobj(Text)]
+    assert not any("nan" in text.split() for text in texts), texts
+    assert loss != "missing" or any(words in text for text in texts for words in SAYING), texts
