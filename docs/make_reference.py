@@ -68,11 +68,11 @@ Words of `outcome`:
 
 Variables beside `outcome`:
 
-- `t_snap`, `t_settled`: times of the snap and of the proof, us after the pulse's start, or NaN; 
+- `t_snap`, `t_settled`: time of the snap, and time from which the run has settled, us after the pulse's start, or NaN; 
   attribute `label_distance`: [a label can be wrong](accuracy.md) so near a threshold, relative
 - `blow`: number of the blow of a train or drop that snaps the beam, else 0
 - `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last swing 
-  there (1 where proven); 0 and NaN of `reference`; absent with `until: snap`
+  there (1 where settled); 0 and NaN of `reference`; absent with `until: snap`
 - `energy_error`: residual of the energy ledger over the pulse's gross work
 - `pulse_work`: work of the pulse on mass and beam, pJ; NaN where the run ended earlier
 - `halvings`: number of halvings of the step until the ledger closed
@@ -84,7 +84,7 @@ Variables beside `outcome`:
 - `level`, `agreed`: level of `auto` that decided, 0 or 1; whether both levels agreed (1), 
   disagreed (0), or only one ran (2)
 
-Attributes hold the config, versions of code and packages, shares of proven and open cells, and an
+Attributes hold the config, versions of code and packages, shares of settled and open cells, and an
 estimate of the number of wrong labels.
 
 ## The classes
