@@ -366,7 +366,8 @@ function followed(k) {
   const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps at t = ${round(snap)} µs`;
   const shape = study.shapes[Number(isAcross)];
   const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it settles in the ${shape} shape at t = ${round(settled)} µs`;
-  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (cells.well[k] && (cells.well[k] === 2) !== isAcross);
+  const isSure = cells.well[k] && state(k).name !== "elsewhere";
+  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (isSure && (cells.well[k] === 2) !== isAcross);
   const differs = isCell() && outcome(k).name !== "failed" && isOther ? " The map tells otherwise, and counts." : "";
   return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
 }
