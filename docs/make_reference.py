@@ -43,7 +43,7 @@ f0, C, shape and direction; the others take several as axes, `srs_test` only one
 - `energy_tolerance = 1e-3`: largest residual of the energy ledger over the pulse's work
 - `threads = 1`: number of threads, at most 1024, which change no result
 - `start = "first"`: shape in which the beam rests at first, or "second"
-- `until = "settled"`: a run ends when its well is proven; "snap": or at its snap
+- `until = "settled"`: a run ends when it has settled in a well; "snap": or at its snap
 - `repeat = True`: whether each cell runs again with another step; False if `until="snap"`
 - `pulse = "versed sine"`: that, "half sine", "sawtooth", "trapezoid", or a Pulse
 - `direction = "+z"`: +z presses the mass on the beam; others are "-z" and "both"
@@ -61,20 +61,20 @@ first reaches the second equilibrium. With `start: second` the shapes change pla
 
 Words of `outcome`:
 
-- `never`: it did not snap and never will, as its energy is below the barrier
-- `latched`: it snapped and stays in the second shape, by its energy or that of the beam alone
-- `returned`: it snapped and stays in the first shape, by its energy
+- `never`, `latched`, `returned`: the run has settled: by its energy it stays for ever in the first 
+  shape without a snap, in the second, or back in the first; another step may end elsewhere
 - `unsnapped`, `snapped`: its state at the horizon; its future is open
 - `failed`: the run diverged, or its energy ledger did not close
 - `absent`: it has no second stable shape (`not_bistable: skip`)
 
 Variables beside `outcome`:
 
-- `t_snap`, `t_settled`: times of the snap and of the proof, us after the pulse's start, or NaN; 
-  attribute `label_distance`: [a label can be wrong](accuracy.md) so near a threshold, relative
+- `t_snap`, `t_settled`: time of the snap, and time from which the run has settled, us after the 
+  pulse's start, or NaN; attribute `label_distance` of `t_snap`: [a label can be 
+  wrong](accuracy.md) so near a threshold, relative
 - `blow`: number of the blow of a train or drop that snaps the beam, else 0
 - `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last swing 
-  there (1 where proven); 0 and NaN of `reference`; absent with `until: snap`
+  there (1 where settled); 0 and NaN of `reference`; absent with `until: snap`
 - `energy_error`: residual of the energy ledger over the pulse's gross work
 - `pulse_work`: work of the pulse on mass and beam, pJ; NaN where the run ended earlier
 - `halvings`: number of halvings of the step until the ledger closed
@@ -86,8 +86,8 @@ Variables beside `outcome`:
 - `level`, `agreed`: level of `auto` that decided, 0 or 1; whether both levels agreed (1), 
   disagreed (0), or only one ran (2)
 
-Attributes hold the config, versions of code and packages, shares of proven and open cells, and an
-estimate of the number of wrong labels.
+Attributes hold the config, versions of code and packages, shares of settled and open cells, the
+numbers of cells that end elsewhere with another step and, estimated, of wrong labels.
 
 ## The classes
 

@@ -1,4 +1,4 @@
-"""The effect of models and steps on the motion after the snap, for docs/accuracy.md.
+"""The motion after the snap by models and steps, and errors of histories, for docs/accuracy.md.
 
 ./run python -m studies motion
 """
@@ -9,14 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from snapmap import load_device
+from snapmap.applications.histories.history import errors_of
 from snapmap.applications.histories.motion import record
+from snapmap.beam.limit_loads import static_threshold
 from snapmap.files.text import table
-from snapmap.solver.cells import to_cells
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import REPEATED_STEP, work_error
+from snapmap.solver.outcome import REPEATED_STEP, t_snap_error, work_error
 from snapmap.solver.settings import MOVE, Settings
+from snapmap.thresholds.search import lowest_snap
 
 from .common import ROOT, few, number, stepped
+from .random_devices import draw_pulse, draw_shocks, draw_widest_device, even
 
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
 CONTACTS = (40.0, 400.0, np.inf)
@@ -32,6 +36,18 @@ SETTINGS = Settings(horizon=1000.0)
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
 HEAD += ["reported: median", "third quartile", "largest"]
+
+SEED, DEVICES, JUDGED_STEP = 53, 40, 0.25
+"""Random devices, and the step of the runs that judge the errors of histories, over their own."""
+OF_HISTORIES = {"5 cosines": 5, "11 cosines, without free beams": 11}
+REACHES, COARSE, CLOSE = (0.3, 3e3), 0.1, 2e-3
+"""Where the threshold is sought, over the static one, in which steps, and how closely."""
+ABOVE, MOST_STEPS = (0.005, 1.5), 2e5
+"""N of the histories above the threshold, relative, and the most steps that these may take."""
+TINY = 1e-9
+"""Error of a snap that all runs see at the same time, us."""
+JUDGED = ["model", "devices", "histories", "work within its error", "snap within its error"]
+JUDGED += ["snap's error / reported: median", "90 %", "not all steps snap"]
 
 
 class Moved(NamedTuple):
@@ -54,7 +70,8 @@ def main():
             off = compare(follow(model), finest)
             dt = model.steps.longest[MOVE].item()
             rows.append([f"{contact:g}", name, number(dt), *off, *spread(work_errors(model))])
-    print(table(HEAD, rows))
+    print(table(HEAD, rows) + "\n")
+    print(table(JUDGED, [row for model in few(OF_HISTORIES).items() for row in judge(*model)]))
 
 
 def cells_of(device):
@@ -91,6 +108,45 @@ def work_errors(model):
 def spread(errors):
     """Write median, third quartile and largest, in per cent."""
     return [f"{number(100 * value)} %" for value in np.quantile(errors, [0.5, 0.75, 1.0])]
+
+
+def judge(name, modes):
+    """Write rows of the table of errors of histories, for even and for odd devices."""
+    runs = [judged(np.random.default_rng([SEED, n]), modes) for n in range(few(DEVICES, 4))]
+    for words, half in (("even", runs[::2]), ("odd", runs[1::2])):
+        work, work_bar, snap, snap_bar, snaps = np.concatenate(half, axis=1)
+        known, unknown = np.isfinite(snap_bar), np.isnan(snap_bar) & (snaps > 0)
+        shares = [
+            np.mean((error <= bar)[known]) for error, bar in ((work, work_bar), (snap, snap_bar))
+        ]
+        over = np.nan_to_num(snap[known], nan=np.inf) / np.fmax(snap_bar[known], TINY)
+        over = map(number, np.quantile(over, [0.5, 0.9], method="lower"))
+        counts = known.sum(), *(f"{share:.0%}" for share in shares), *over
+        yield [name, words, *map(str, counts), str(unknown.sum())]
+
+
+def judged(draw, modes):
+    """Errors of histories of a random device above its thresholds, (5, cells).
+
+    Of the work, relative, that against a run in JUDGED_STEP and the reported one; both of the snap,
+    us; and whether the history snaps.
+    """
+    device, shocks = draw_widest_device(draw), draw_pulse(draw)
+    f0, C = np.meshgrid(*draw_shocks(draw, device))
+    if device.beam.free and modes > 5:
+        return np.empty((5, 0))
+    settings = Settings(horizon=2 * np.pi / device.own_frequency, until="moved", repeat=False)
+    model, rows = build_model(device, "cosines", modes=modes), to_rows(0, f0, C, 0, shocks.pulses)
+    bracket = tuple(reach * float(static_threshold(device)) for reach in REACHES)
+    found = lowest_snap(model, rows, bracket, settings, CLOSE, COARSE)
+    N = found * [1 + even(draw, *ABOVE) for _ in found]
+    known = np.isfinite(N)
+    cells = rows.take(known).cells(device, N[known, np.newaxis], settings.horizon).flat()
+    cells = cells.take(np.flatnonzero(cells.t_end / model.time_steps(cells, settings) < MOST_STEPS))
+    own, finer = (model.with_step(step).follow_once(cells, settings) for step in (1, JUDGED_STEP))
+    bars, snaps = errors_of(model, cells, settings), np.isfinite(own.t_snap)
+    work, snap = (compare(own, finer) for compare in (work_error, t_snap_error))
+    return np.array([work, bars["work_error"], snap, bars["t_snap_error"], snaps])
 
 
 if __name__ == "__main__":

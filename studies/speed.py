@@ -39,7 +39,7 @@ import sys, snapmap
 device = snapmap.load_device(sys.argv[1])
 print(snapmap.threshold(device, [1500], [25]).N_first.item())
 """
-HEAD = ["", "cells", "cells/s", "to the plain loop", "same labels", "with proofs", "ns per step"]
+HEAD = ["", "cells", "cells/s", "to the plain loop", "same labels", "until settled", "ns per step"]
 
 
 def main() -> None:
@@ -57,8 +57,8 @@ def map_cells(device: Device) -> Cells:
     return to_cells(device, 0, N, f0, DAMPING, SETTINGS.horizon)
 
 
-def without_proofs(model: Model) -> Model:
-    """Return the model with a barrier of 0, so that no proof ends a cell before snap or horizon."""
+def without_settling(model: Model) -> Model:
+    """Return the model with a barrier of 0, so that no cell settles before snap or horizon."""
     return replace(model, barrier=model.barrier._replace(energy=0.0, midpoint=0.0))
 
 
@@ -72,8 +72,8 @@ def by_everyone(device: Device) -> list[list[str]]:
     cells, tasks = map_cells(device), {}
     models = {name: build_model(device, **options) for name, options in few(MODELS, 3).items()}
     for name, model in models.items():
-        tasks[name] = partial(by_model(without_proofs(model)), cells)
-        tasks[name, "proven"] = partial(by_model(model), cells)
+        tasks[name] = partial(by_model(without_settling(model)), cells)
+        tasks[name, "settled"] = partial(by_model(model), cells)
     take_turns(tasks, 1)  # compiles
     runs = take_turns(tasks, few(ROUNDS))
     scipy = by_scipy(device, models[HANDOUT].modal, "DOP853")
@@ -82,15 +82,15 @@ def by_everyone(device: Device) -> list[list[str]]:
     each = runs[PLAIN].seconds / plain.size
     rows = []
     for name in (name for name in runs if isinstance(name, str)):
-        (t_snap, seconds), proven, per_step = runs[name], DASH, DASH
+        (t_snap, seconds), settled, per_step = runs[name], DASH, DASH
         size, labels = t_snap.size, plain if name in models else plain[FEW]
         same = int(np.sum(np.isnan(t_snap) == np.isnan(labels)))
         if name in models:
-            proven = rate(size, runs[name, "proven"].seconds)
+            settled = rate(size, runs[name, "settled"].seconds)
             per_step = number(1e9 * seconds / count_steps(models[name], cells, t_snap))
         times = ratio(each * size / seconds)
         rows.append(
-            [name, str(size), rate(size, seconds), times, f"{same}/{size}", proven, per_step]
+            [name, str(size), rate(size, seconds), times, f"{same}/{size}", settled, per_step]
         )
     return rows
 

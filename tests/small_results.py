@@ -32,7 +32,7 @@ def swept(device, **changes):
 def make_cells(rows, f0=None, N=None):
     """Cells of C = 25 whose outcomes are digits: one row of text per N, the highest first.
 
-    Those that snapped and did not return end in the second well, proven or seen.
+    Those that snapped and did not return end in the second well, settled or seen.
     """
     outcome = np.array([[int(digit) for digit in row] for row in rows[::-1]], np.int8).T
     f0 = 100.0 * 4.0 ** np.arange(outcome.shape[0]) if f0 is None else f0

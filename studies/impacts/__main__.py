@@ -93,7 +93,7 @@ def map_contenders() -> dict[str, Contender]:
         SCIPY: Contender(snaps.map_by_scipy, TOLERANCES[:3], FEWER),
         PLAIN_LOOP: Contender(snaps.map_by_plain_loop, MAP_STEPS),
         OURS: Contender(snaps.map_by_kernel, FACTORS),
-        f"{OURS}, with proofs": Contender(snaps.map_by_proofs, FACTORS),
+        f"{OURS}, until settled": Contender(snaps.map_until_settled, FACTORS),
     }
 
 

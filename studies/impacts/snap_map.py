@@ -10,7 +10,7 @@ from snapmap.solver.cells import Cells
 from snapmap.solver.models import Model, build_model
 
 from ..scipy_solver import by_scipy, compile_rate, snap_target
-from ..speed import by_model, map_cells, without_proofs
+from ..speed import by_model, map_cells, without_settling
 from .problems import Problem
 from .solvers import Solve, plain_loop
 
@@ -84,10 +84,10 @@ def map_by_plain_loop(snaps: SnapMap) -> Solve:
 
 def map_by_kernel(snaps: SnapMap) -> Solve:
     """Label by our kernel, which follows every cell to its snap or end."""
-    open_end = without_proofs(snaps.model)
+    open_end = without_settling(snaps.model)
     return lambda step: np.isfinite(by_model(open_end.with_step(step))(snaps.cells))
 
 
-def map_by_proofs(snaps: SnapMap) -> Solve:
-    """Label as a sweep does: a cell also ends when its energy proves that it never snaps."""
+def map_until_settled(snaps: SnapMap) -> Solve:
+    """Label as a sweep does: a cell also ends when it has settled without a snap."""
     return lambda step: np.isfinite(by_model(snaps.model.with_step(step))(snaps.cells))

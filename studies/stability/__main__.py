@@ -17,7 +17,7 @@ from ..common import command_device, few, results
 from .cases import CASES, MODELS
 from .figures import draw_panels
 from .measure import measure
-from .proofs import followed_on
+from .settled import followed_on
 from .tables import tables
 
 GRID = {"N": linear(600, 2400, 61), "f0": geometric(100, 3e4, 31), "C": [0.025, 25.0, 200.0]}

@@ -73,10 +73,10 @@ def wrong_list(cases):
 
 
 def settled_table(settled):
-    """Write the shares of proven, open and reproduced cells, by damping of beam and mass."""
-    head = ["beam damping (1/µs)", "C (µN µs/µm)", "do not snap", "of these proven", "snap"]
+    """Write the shares of settled, open and reproduced cells, by damping of beam and mass."""
+    head = ["beam damping (1/µs)", "C (µN µs/µm)", "do not snap", "of these settled", "snap"]
     head += ["of these latched", "returned", "open", "failed", "all: reproduced"]
-    head += ["proven: reproduced"]
+    head += ["settled: reproduced"]
     rows = [
         [f"{damping:g}", f"{C:g}", *_settled_shares(settled.sel(damping=damping, C=C))]
         for damping, C in product(settled.damping.values, settled.C.values)
@@ -88,8 +88,8 @@ def _settled_shares(cells):
     outcome, reproduced = cells.outcome.values, cells.reproduced.values == 1
     quiet = np.isin(outcome, (UNSNAPPED, NEVER))
     snapped = np.isin(outcome, (SNAPPED, LATCHED, RETURNED))
-    proven = np.isin(outcome, (NEVER, LATCHED, RETURNED))
-    shares = [quiet.mean(), proven[quiet].mean(), snapped.mean()]
+    settled = np.isin(outcome, (NEVER, LATCHED, RETURNED))
+    shares = [quiet.mean(), settled[quiet].mean(), snapped.mean()]
     shares += [(outcome[snapped] == code).mean() for code in (LATCHED, RETURNED, SNAPPED)]
-    shares += [(outcome == FAILED).mean(), reproduced.mean(), reproduced[proven].mean()]
+    shares += [(outcome == FAILED).mean(), reproduced.mean(), reproduced[settled].mean()]
     return [f"{share:.1%}" for share in shares]

@@ -25,9 +25,9 @@ SOUND, SENSITIVE, SHIFTED, UNCHECKED, CAUGHT, UNSEEN, REFUSED, LEFT_OUT = Verdic
 VERDICTS = tuple(verdict.name.lower() for verdict in Verdict)
 SAME_SNAP = 0.02
 """Largest relative difference between the snap times of runs that snap alike."""
-SAME_PROOF = 0.05
-"""Largest relative difference between the times of proof of fine runs that are not chaotic; it is
-not 0, as the solver seeks a proof only every 128 steps."""
+SAME_SETTLED = 0.05
+"""Largest relative difference between the times at which fine runs settle that are not chaotic; it
+is not 0, as the solver looks only every 128 steps."""
 
 
 class Runs(NamedTuple):
@@ -56,10 +56,10 @@ def judge(runs: Runs, fine: Runs) -> np.ndarray:
         return np.where(runs.outcome == FAILED, CAUGHT, UNCHECKED).astype(np.int8)
     snap_known = np.ptp(_has_snapped(fine).astype(int)) == 0
     time_known = snap_known and _spread(fine.t_snap) < SAME_SNAP
-    well_known = time_known and np.ptp(fine.outcome) == 0 and _spread(fine.t_settled) < SAME_PROOF
+    well_known = time_known and np.ptp(fine.outcome) == 0 and _spread(fine.t_settled) < SAME_SETTLED
     wrong = snap_known & (_has_snapped(runs) != _has_snapped(fine)[0])
-    both_proven = _is_proven(runs) & _is_proven(fine)[0]
-    wrong |= well_known & both_proven & (runs.outcome != fine.outcome[0])
+    both_settled = _is_settled(runs) & _is_settled(fine)[0]
+    wrong |= well_known & both_settled & (runs.outcome != fine.outcome[0])
     shifted = time_known & (snap_shift(runs, fine) > SAME_SNAP)
     believed = SOUND if well_known else SENSITIVE
     verdict = np.select(
@@ -85,5 +85,5 @@ def _has_snapped(runs):
     return np.isin(runs.outcome, (SNAPPED, LATCHED, RETURNED))
 
 
-def _is_proven(runs):
+def _is_settled(runs):
     return np.isin(runs.outcome, (NEVER, LATCHED, RETURNED))

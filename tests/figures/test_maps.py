@@ -81,8 +81,8 @@ def test_states_tell_whether_a_cell_snaps_and_the_side_of_its_end_and_how_sure_t
     states = lambda cells, of=S.end_states: of(cells).squeeze().values.tolist()  # noqa: E731
     assert states(EVERY, S.snap_states) == [0, 0, 1, 1, 1, 2, 3]
     seen = S.REST_SEEN, S.TRIPPED_SEEN
-    proven = [S.TRIPPED_PROVEN, S.REST_PROVEN, S.FAILED, S.ABSENT]
-    known = [S.REST_SEEN, S.REST_PROVEN, S.TRIPPED_SEEN, *proven]
+    settled = [S.TRIPPED_SETTLED, S.REST_SETTLED, S.FAILED, S.ABSENT]
+    known = [S.REST_SEEN, S.REST_SETTLED, S.TRIPPED_SEEN, *settled]
     assert states(EVERY) == known
     crossing = [S.CROSSING if state in seen else state for state in known]
     for share in (0.6, np.nan):
@@ -93,16 +93,40 @@ def test_states_tell_whether_a_cell_snaps_and_the_side_of_its_end_and_how_sure_t
 
 
 def test_an_end_is_elsewhere_by_its_side_alone():
-    """Not by its label, as of a proof before the horizon in one step alone, nor by its level."""
+    """Not by its label, as where one step alone settles before the horizon, nor by its level."""
     cells = make_cells(["2222"])
     cells = cells.assign(dict.fromkeys(("reproduced", "agreed"), xr.zeros_like(cells.outcome)))
-    assert not S.end_elsewhere(cells).any()
+    assert not (S.end_states(cells) == S.ELSEWHERE).any()
     cells["well_reproduced"] = (("f0", "N"), [[0], [0], [1], [1]])
     cells["well_share"] = (("f0", "N"), [[1.0], [0.5], [1.0], [0.5]])
-    assert S.end_elsewhere(cells).squeeze().values.tolist() == [True, False, False, False]
-    assert len(hatched(end_map(cells), plane.ELSEWHERE)) == 1
+    states = [S.ELSEWHERE, S.CROSSING, S.TRIPPED_SEEN, S.CROSSING]
+    assert S.end_states(cells).squeeze().values.tolist() == states
+    assert len(hatched(end_map(cells), plane.HATCHES["elsewhere"])) == 1
     assert with_summary(cells).attrs["cells_ended_elsewhere"] == 1
-    assert "1 ended elsewhere with another step" in summary(with_summary(cells))
+    assert "; 1 changes side with a smaller time step; " in summary(with_summary(cells))
+
+
+def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_is_proven():
+    """A settled run, too: legend and summary call no cell both settled and ended elsewhere."""
+    cells = make_cells(["33", "33", "11"])
+    cells["well_reproduced"] = xr.zeros_like(cells.outcome)
+    cells.well_reproduced[..., 2] = 1
+    words = legend_words(end_map(cells))
+    assert words == ["tripped, settled (2 cells)", "ends elsewhere with another step (4 cells)"]
+    counted = with_summary(cells)
+    assert counted.attrs["share_settled"] == 1
+    assert summary(counted).startswith(
+        "6 cells, all settled; 4 change side with a smaller time step; "
+    )
+    assert not any("proven" in state.words for state in S.STATES)
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [(["30"], "2 cells, 50 % settled; "), (["66"], "2 cells, 0 % settled; 0 failed, 2 absent")],
+)
+def test_all_are_settled_where_none_is_left(rows, words):
+    assert summary(with_summary(make_cells(rows))).startswith(words)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -111,13 +135,13 @@ def test_cells_in_any_order_lie_about_their_grid_points_and_labels_near_a_change
     turn = slice(None, None, order)
     cells = make_cells(["21", "03"]).isel(f0=turn, N=turn)
     codes, x, y = filled(end_map(cells))
-    assert codes == [[S.REST_SEEN, S.TRIPPED_PROVEN], [S.TRIPPED_SEEN, S.REST_PROVEN]]
+    assert codes == [[S.REST_SEEN, S.TRIPPED_SETTLED], [S.TRIPPED_SEEN, S.REST_SETTLED]]
     assert x == pytest.approx([50, 200, 800]) and y == [950, 1050, 1150]
     assert filled(snap_map(cells))[0] == [[0, 1], [1, 0]]
     counted = with_summary(make_cells(["2" * 20, "0" * 20]).isel(N=turn))
     assert counted.attrs["labels_near_change"] == 4
-    assert "about 4 labels may be wrong, within 1 % of a threshold" in summary(counted)
-    assert "wrong" not in summary(with_summary(make_cells(["00", "00"])))
+    assert "about 4 lie so near a threshold (1 %) that the label is uncertain" in summary(counted)
+    assert "uncertain" not in summary(with_summary(make_cells(["00", "00"])))
 
 
 @pytest.mark.parametrize(
@@ -187,13 +211,13 @@ def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_end
     breaks = hatched(snap_map(cells.assign(stress_share=share)), plane.BREAKS)
     assert breaks == [(50.0, 1150.0, 200.0, 1250.0), (200.0, 1150.0, 800.0, 1250.0)]
     assert not artists(snap_map(cells.assign(stress_share=share / 2)), PathPatch)
-    absent = hatched(end_map(make_cells(["26"])), plane.ABSENT)
+    absent = hatched(end_map(make_cells(["26"])), plane.HATCHES["absent"])
     assert absent == [(200.0, 900.0, 800.0, 1100.0)]
     cells = make_cells(["43", "20"])
     cells["well_reproduced"] = xr.zeros_like(cells.outcome)
-    for look, low, high in ((plane.ELSEWHERE, 950, 1050), (plane.ELSEWHERE_DARK, 1050, 1150)):
-        assert hatched(end_map(cells), look) == [(50, low, 200, high), (200, low, 800, high)]
-    assert not hatched(snap_map(cells), plane.ELSEWHERE)
+    apart = [(x, y, 4 * x, y + 100) for x in (50, 200) for y in (950, 1050)]
+    assert hatched(end_map(cells), plane.HATCHES["elsewhere"]) == apart
+    assert not hatched(snap_map(cells), plane.HATCHES["elsewhere"])
     crosses = [line.get_xydata().tolist() for line in end_map(TINY).lines]
     assert crosses == [[[6400.0, 1300.0]]] * 2  # of the failed cell
 

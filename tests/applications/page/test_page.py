@@ -10,10 +10,10 @@ from small_results import SETTINGS, make_cells, swept
 
 from snapmap.applications.page import draw
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
-from snapmap.figures.states import SNAPS, end_elsewhere, end_states, snap_states
+from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.study.netcdf import write
 
-ALWAYS, BAND, FIRST, APART, _, CHOSEN, REQUIRED_SHOCKS = range(1, 8)
+ALWAYS, BAND, FIRST, _, CHOSEN, REQUIRED_SHOCKS = range(1, 7)
 """Which curve of the map is which."""
 
 
@@ -182,7 +182,7 @@ def test_the_slider_changes_map_classes_and_thresholds(view, cube):
 
 
 def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
-    """Lines are those of snapping, hatches those of ends; each time is a colour of its own."""
+    """Lines are those of snapping; each time is a colour of its own."""
     view.slide(0)
     cells = cube.isel(C=0).transpose("N", "f0")
     view.choose("time")
@@ -194,7 +194,10 @@ def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
     assert f"{first} {last}, first snap ({snaps.sum()})" in view.text("#classes")
     view.choose("where it ends")
     assert view.shows(cells, states=end_states) and view.shown("map", "y", FIRST) == []
-    assert len(view.shown("map", "x", curve=APART)) == end_elsewhere(cells).sum() > 0
+    apart = np.argwhere((end_states(cells) == ELSEWHERE).values)
+    assert f"{STATES[ELSEWHERE].words} ({len(apart)})" in view.text("#classes")
+    j, i = apart[0].tolist()
+    assert view.hover(i, j).startswith(STATES[ELSEWHERE].words)
     view.choose("snaps")
     assert view.shows(cells) and view.shown("map", "y", FIRST) != []
 
@@ -216,7 +219,8 @@ def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube
     view.wait("run")
     cell = cube.isel(f0=1, N=3, C=view.place()[0])
     assert view.page.evaluate("run.snap") == pytest.approx(cell.t_snap.item(), rel=0.02)
-    assert "snaps at t = " in view.text("#followed")
+    assert f"snaps at t = {view.page.evaluate('round(run.snap)')} µs" in view.text("#followed")
+    assert "t = " not in view.text("#verdict")  # of the same snap the map has another time
     w, first = view.shown("history", "y", 1), view.page.evaluate("run.form.first")
     assert w[0] == pytest.approx(first, abs=1e-3) and min(w) < -first / 2
     assert view.page.evaluate("run.form.kappa.length") == 5
@@ -394,4 +398,5 @@ def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_t
     assert drawn_shapes(opened) == ["second"]
     opened.wait("document.getElementById('followed').textContent")
     assert "too many samples" in opened.text("#followed") and not opened.page.is_visible("#history")
+    assert "equilibrium at t = " in opened.text("#verdict")
     assert opened.shows(cube.isel(C=opened.place()[0])) and opened.complaints == []

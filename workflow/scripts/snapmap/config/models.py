@@ -96,7 +96,7 @@ class SweepSection(_Axes):
     start: word(*STARTS, what="shape in which the beam rests at first", out=f"`{FIRST}`")
     until: argument(
         arguments.Until,
-        "a run ends when its well is proven; `snap`: or at its snap",
+        "a run ends when it has settled in a well; `snap`: or at its snap",
         out="`settled`",
     )
     repeat: flag(

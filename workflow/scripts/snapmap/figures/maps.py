@@ -195,10 +195,6 @@ def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
     if shows == "times" and (codes < 0).any():
         times = {"cmap": states.TIME_COLOURS, "norm": look["norm"]}
         field = plane.fill_field(ax, cells.t_snap / look["size"], *across, **times)
-    if shows == "ends":
-        dark, elsewhere = plane.is_dark(codes, shown), states.end_elsewhere(cells)
-        plane.hatch(ax, elsewhere & ~dark, *across, plane.ELSEWHERE)
-        plane.hatch(ax, elsewhere & dark, *across, plane.ELSEWHERE_DARK)
     if "stress_share" in cells:
         plane.hatch(ax, cells.stress_share >= 1, *across, plane.BREAKS)
     plane.freeze(ax)

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
@@ -16,14 +16,13 @@ from . import style
 from .scales import Scale, scale_of, set_scale, study_axis, value_text
 from .states import State
 
-ABSENT = {"hatch": "x" * 3, "edgecolor": "0.6"}
-ELSEWHERE = {"hatch": "/" * 7, "edgecolor": "0.1", "label": "ended elsewhere with another step"}
-ELSEWHERE_DARK = ELSEWHERE | {"edgecolor": "0.9"}
+HATCHES = {
+    "absent": {"hatch": "x" * 3, "edgecolor": "0.6"},
+    "elsewhere": {"hatch": "/" * 7, "edgecolor": "0.9"},
+}
+"""Hatches of states, by name."""
 BREAKS = {"hatch": "." * 5, "edgecolor": "#7a2d00", "label": "the beam breaks"}
-"""Hatches of cells without a device, of those that end elsewhere with another step, on light and on
-dark colours, and of those whose beam breaks."""
-LUMA, DARK = (0.299, 0.587, 0.114), 0.4
-"""Weights of red, green and blue in lightness, and the lightness below which a colour is dark."""
+"""Hatch of cells whose beam breaks."""
 RESOLVED, VECTORS = 700, 20_000
 """Most cells that are drawn along an axis, finer than print, and most that vectors hatch."""
 PART = 1_000_000
@@ -70,7 +69,7 @@ def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scal
 
 
 def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale, y: Scale) -> None:
-    """Fill each cell with the colour of its state, and cross out failed ones.
+    """Fill each cell with the colour and the hatch of its state, and cross out failed ones.
 
     codes: index in `states` of each cell, over x and y; cells below 0 are not filled
     """
@@ -78,8 +77,8 @@ def fill_states(ax: Axes, codes: xr.DataArray, states: Sequence[State], x: Scale
     norm = BoundaryNorm(np.arange(len(states) + 1) - 0.5, colours.N)
     fill_field(ax, codes.where(codes >= 0), x, y, cmap=colours, norm=norm)
     for code, state in enumerate(states):
-        if state.name == "absent":
-            hatch(ax, codes == code, x, y, ABSENT)
+        if state.name in HATCHES:
+            hatch(ax, codes == code, x, y, HATCHES[state.name])
         if state.name == "failed":  # on a fine grid a single cell is too small to see
             i, j = np.nonzero((codes == code).transpose(x.key, y.key).values)
             for stroke, width in {"white": 2.0, state.colour: 0.8}.items() if i.size else ():
@@ -105,21 +104,15 @@ def hatch(ax: Axes, chosen: xr.DataArray, x: Scale, y: Scale, pattern: dict) -> 
         ax.add_patch(PathPatch(region, **bare, **pattern))
 
 
-def is_dark(codes: xr.DataArray, states: Sequence[State]) -> xr.DataArray:
-    """Tell which cells have a dark colour; codes: as for `fill_states`."""
-    lightness = [np.dot(to_rgb(state.colour), LUMA) for state in states]
-    return codes.isin([i for i, value in enumerate(lightness) if value < DARK])
-
-
 def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Iterator[Patch]:
     """Make a key of a legend for each state that some panel has, with the number of its cells."""
     values = (codes.values[codes.values >= 0] for codes in panels)
     counts = sum(np.bincount(codes, minlength=len(states)) for codes in values).tolist()
     for state, count in zip(states, counts, strict=True):
-        pattern = {"hatch": ABSENT["hatch"]} if state.name == "absent" else {}
+        pattern = {"edgecolor": "black"} | HATCHES.get(state.name, {})
         words = f"{state.words} ({count} cell{'s' if count > 1 else ''})"
         if count:
-            yield Patch(facecolor=state.colour, edgecolor="black", label=words, **pattern)
+            yield Patch(facecolor=state.colour, label=words, **pattern)
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:

@@ -21,20 +21,22 @@ class State(NamedTuple):
 
 
 STATES = (
-    State("rest_proven", "not tripped, proven", "#0b4a8f"),
+    State("rest_settled", "not tripped, settled", "#093c76"),
     State("rest_seen", "not tripped when last seen", "#99bbe0"),
     State("crossing", "still going back and forth", "#dedacd"),
     State("tripped_seen", "tripped when last seen", "#df7f25"),
-    State("tripped_proven", "tripped for good, proven", "#ad4a00"),
+    State("tripped_settled", "tripped, settled", "#943f00"),
+    State("elsewhere", "ends elsewhere with another step", "#8d69a8"),
     State("failed", "failed", "#000000"),
     State("absent", "no second stable shape", "#ffffff"),
 )
-"""States of a beam at its end. Hue tells whether it is tripped, strength how sure that is.
+"""States of a beam at its end, of which each cell has one. Hue tells whether it is tripped,
+strength how sure that is; `elsewhere` is what a run with another step contradicts.
 
 Colours differ in lightness for grey print, and in hue and lightness for the colour-blind.
 """
-REST_PROVEN, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_PROVEN = range(5)
-FAILED, ABSENT = range(5, len(STATES))
+REST_SETTLED, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_SETTLED, ELSEWHERE = range(6)
+FAILED, ABSENT = range(6, len(STATES))
 
 SNAPS = (
     State("waiting", "does not snap", "#d3dde5"),
@@ -55,17 +57,19 @@ TIMES = WAITING, WAITING, *SNAPS[2:]
 def end_states(cells: xr.Dataset) -> xr.DataArray:
     """Give the index in STATES of each cell, int8.
 
-    cells: with outcome, t_snap, well and well_share; a run that ends at its snap, as those of the
-        model `reference`, was last seen there
+    cells: with outcome, t_snap, well and well_share, and well_reproduced if they ran twice; a run
+        that ends at its snap, as those of the model `reference`, was last seen there
     """
     is_one_of = _outcomes(cells)
-    proven = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
+    settled = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
     starts = style.starts(json.loads(cells.attrs.get("config", "{}")))
     tripped = (cells.well == 2) | ((cells.well == 0) & (cells.t_snap.notnull() ^ bool(starts)))
     crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
-    rest = xr.where(proven, REST_PROVEN, REST_SEEN)
-    codes = xr.where(tripped, xr.where(proven, TRIPPED_PROVEN, TRIPPED_SEEN), rest)
-    codes = xr.where(crossing & ~proven, CROSSING, codes)
+    rest = xr.where(settled, REST_SETTLED, REST_SEEN)
+    codes = xr.where(tripped, xr.where(settled, TRIPPED_SETTLED, TRIPPED_SEEN), rest)
+    codes = xr.where(crossing & ~settled, CROSSING, codes)
+    if "well_reproduced" in cells:
+        codes = xr.where(ended_elsewhere(cells.well_reproduced, cells.well_share), ELSEWHERE, codes)
     return _without_runs(codes, is_one_of, FAILED, ABSENT)
 
 
@@ -78,13 +82,6 @@ def time_states(cells: xr.Dataset) -> xr.DataArray:
     """Give the index in TIMES of each cell, -1 where it snaps; cells: with outcome and t_snap."""
     codes = snap_states(cells)
     return codes.where(codes != 1, -1)
-
-
-def end_elsewhere(cells: xr.Dataset) -> xr.DataArray:
-    """Tell which cells ended elsewhere with another time step; none without such runs."""
-    if "well_reproduced" not in cells:
-        return xr.zeros_like(cells.outcome, bool)
-    return ended_elsewhere(cells.well_reproduced, cells.well_share)
 
 
 SHOWN = {

@@ -61,7 +61,7 @@ class Observations(NamedTuple):
     """Observations of cells; arrays of the shape of the cells. Times count from the pulse's start.
 
     t_snap: first arrival of the midpoint at the other shape, us; NaN if it does not arrive
-    t_settled: time at which the beam is proven to stay in a well for ever, us; NaN without proof
+    t_settled: time from which this run stays in a well for ever, by its energy, us; NaN if unknown
     well: side of the saddle at the end of the run, 1 of the start, 2 the other; 0 if the run ended
         at its snap, or in the pulse
     energy_error: residual of the energy ledger over the gross work of the pulse; not finite after

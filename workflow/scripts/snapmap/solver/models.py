@@ -134,9 +134,9 @@ class Model:
         """Follow cells of any shape.
 
         To learn where a cell stays, it is first followed to the end of its pulse with the longer
-        steps of SNAP; if it then is proven never to snap, it is done. A cell whose ledger does not
-        close is followed again with half the step, up to HALVINGS times. A cell whose pulse is too
-        short for SMALLEST has failed.
+        steps of SNAP; if it then has settled without a snap, it is done. A cell whose ledger does
+        not close is followed again with half the step, up to HALVINGS times. A cell whose pulse is
+        too short for SMALLEST has failed.
         """
         flat = cells.flat()
         observed = no_observations(flat.f0.shape)

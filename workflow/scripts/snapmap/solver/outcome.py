@@ -37,8 +37,9 @@ def label(
 ) -> np.ndarray:
     """Label each cell by an index into OUTCOMES, int8; arguments are columns of `Observations`.
 
-    Proven for ever are `never` (it never left well 1, of its start), `latched` (in well 2) and
-    `returned` (to well 1 after a snap). Open at the horizon are `unsnapped` and `snapped`. A run
+    Settled are `never` (it never left well 1, of its start), `latched` (in well 2) and `returned`
+    (to well 1 after a snap): by its energy this run stays in its well for ever, which proves
+    nothing of a run with another step. Open at the horizon are `unsnapped` and `snapped`. A run
     whose energy_error exceeds the tolerance has `failed`, whatever else it shows.
     """
     snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
@@ -65,13 +66,13 @@ def ended_elsewhere(well_reproduced: np.ndarray, well_share: np.ndarray) -> np.n
 
 
 def shares(counts: Mapping[str, int]) -> dict[str, float]:
-    """Return the shares of proven, open and failed cells among those that are not `absent`.
+    """Return the shares of settled, open and failed cells among those that are not `absent`.
 
     counts: cells by outcome, as `count` returns them
     """
     total = max(1, sum(counts.values()) - counts.get("absent", 0))
     groups = {
-        "proven": ("never", "latched", "returned"),
+        "settled": ("never", "latched", "returned"),
         "open": ("unsnapped", "snapped"),
         "failed": ("failed",),
     }

@@ -318,7 +318,7 @@ def starting(model, start):
 
 
 def march(model, cells, dt, settings):
-    """Follow cells to their snaps or t_end, whatever `settings.until`; nothing is proven.
+    """Follow cells to their snaps or t_end, whatever `settings.until`; nothing settles.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns columns as in `kernel.lanes.Facts`, of which wells and `lowest` are unknown.

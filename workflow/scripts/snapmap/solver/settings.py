@@ -21,7 +21,7 @@ class Settings(NamedTuple):
     """Settings of runs.
 
     horizon: time followed after the pulse's end, us
-    until: "settled" ends a run when its well is proven, "snap" also at its snap
+    until: "settled" ends a run when it has settled in a well, "snap" also at its snap
     repeat: whether each cell runs again with another step, to see if its outcome is reproduced
     energy_tolerance: largest residual of the energy ledger of a believed run, over the pulse's
         gross work

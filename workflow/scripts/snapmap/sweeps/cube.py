@@ -174,12 +174,19 @@ def _blocks(variable):
 def summary(cube: xr.Dataset) -> str:
     """Sum up a cube in one line, by the attributes that `with_summary` added."""
     counts = {name: cube.attrs.get(f"cells_{name}", 0) for name in OUTCOMES}
+    left = sum(counts[name] for name in ("unsnapped", "snapped", "failed"))
+    settled = sum(counts.values()) - left - counts["absent"]
     # The share is rounded down: all but one of ten thousand are 99.9 %.
-    facts = [f"{math.floor(1000 * cube.attrs['share_proven']) / 10:g} % proven"]
-    if ELSEWHERE in cube.attrs:
-        facts.append(f"{cube.attrs[ELSEWHERE]} ended elsewhere with another step")
+    share = f"{math.floor(1000 * settled / max(1, settled + left)) / 10:g} %"
+    facts = [f"{sum(counts.values())} cells, {'all' if settled and not left else share} settled"]
+    if number := cube.attrs.get(ELSEWHERE):
+        change = "changes" if number == 1 else "change"
+        facts.append(f"{number} {change} side with a smaller time step")
     if near := cube.attrs.get(NEAR_CHANGE):
         distance = 100 * cube.t_snap.attrs["label_distance"]
-        facts.append(f"about {near} labels may be wrong, within {distance:g} % of a threshold")
-    facts += [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
-    return f"{sum(counts.values())} cells: {', '.join(facts)}"
+        lie = "lies" if near == 1 else "lie"
+        facts.append(
+            f"about {near} {lie} so near a threshold ({distance:g} %) that the label is uncertain"
+        )
+    named = [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
+    return "; ".join([*facts, ", ".join(named)])

@@ -127,7 +127,7 @@ class Batch:
         return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
-        """Count how many of the first samples are proven to latch, (rows, N)."""
+        """Count how many of the first samples latch, (rows, N)."""
         count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
             part = every.take(slice(i * len(count), (i + 1) * len(count)))

@@ -35,7 +35,7 @@ def lowest_latched(
     every = np.arange(len(N))
 
     def leaves(model, which, below):
-        """Tell whether cells some places below the highest are not proven to stay, (rows, n)."""
+        """Tell whether cells some places below the highest do not latch, (rows, n)."""
         # A model may need N ascending; the lowest stands for places below it.
         places = np.maximum(size[which, np.newaxis] - 1 - below, 0)[:, ::-1]
         ascending = N[which[:, np.newaxis], places]

@@ -119,7 +119,7 @@ def closures_again(
     columns = {key: np.full(flat.f0.size, nan, np.float32) for key in CLOSING}
     for at, part in deciders(model.levels, flat.device, decided, np.flatnonzero(which)):
         saddle = np.broadcast_to(part.barrier.first + part.barrier.midpoint, size)[flat.device[at]]
-        # A cell that is proven to stay on its side of the saddle never reaches beyond it.
+        # A cell that has settled on its side of the saddle never reaches beyond it.
         over = (observed.well[at] == 1) & (place[at] < saddle) & (settings.start == FIRST)
         window = np.fmin(np.where(over, observed.t_settled[at], np.inf), flat.t_end[at])
         for key, values in follow_closures(part, flat.take(at), window, settings).items():

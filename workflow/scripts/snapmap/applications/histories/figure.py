@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -41,7 +40,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         shock.plot(time, history.acceleration / history.gravity, color=MASS)
         shock.set_ylabel(f"acceleration\n({style.multiples(history.attrs)})")
     shock.set_xlabel("time after the start of the pulse (ms)")
-    snap = snap_time(history) / 1e3
+    snap = history.t_snap / 1e3
     shown = history.w_mid, history.contact_force, shock.lines[0].get_ydata()
     for ax, values in zip(axes, shown, strict=True):
         style.note_missing(ax, values, "the run failed")
@@ -57,23 +56,12 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
     return axes
 
 
-def snap_time(history: xr.Dataset) -> float:
-    """Interpolate when the midpoint first arrives at the other shape at rest, us; NaN if never."""
-    first, second = history.attrs.get("first_equilibrium"), history.second_equilibrium
-    w, target = (history.w_mid, second) if first is None else (-history.w_mid, -first)
-    arrived = np.flatnonzero(w <= target)
-    if arrived.size == 0:
-        return math.nan
-    last = [arrived[0], arrived[0] - 1]
-    return float(np.interp(target, w[last], history.time[last]))
-
-
 def _caption(history):
-    """The shock, the model and, if known, the differences to a run with another step."""
+    """The shock, the model and, if known, the errors that the time step makes."""
     shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
     words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
     work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
     if math.isnan(work):
         return words
-    words += f"\nwith another step the work of the pulse differs by {number(100 * work, 2)} %"
-    return words if math.isnan(snap) else f"{words}, the time of snap by {number(snap, 2)} µs"
+    words += f"\nerror by the time step: {number(100 * work, 2)} % of the work of the pulse"
+    return words if math.isnan(snap) else f"{words}, {number(snap, 2)} µs of the time of snap"

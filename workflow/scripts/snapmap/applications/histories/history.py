@@ -14,12 +14,13 @@ from ...device.device import Device, Value
 from ...device.quantities import plain
 from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
-from ...solver.adaptive import Adaptive, choose_model
-from ...solver.cells import to_cells
+from ...solver.adaptive import choose_model
+from ...solver.cells import Cells, to_cells
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.models import Model
 from ...solver.options import AutoOptions
-from ...solver.outcome import OUTCOMES, REPEATED_STEP, label, t_snap_error, work_error
-from ...solver.settings import FIRST
+from ...solver.outcome import OUTCOMES, label
+from ...solver.settings import FIRST, Settings
 from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
@@ -32,6 +33,9 @@ are fewer."""
 
 RECORDED = 700.0
 """Time of a run that records every step, over that of a run of a sweep."""
+ERROR_STEPS, SAFETY = (1.0, 0.75, 0.5), 4.0
+"""Steps of the runs that tell the error of a history, over its own, and the error over their
+spread. Second order gives 4/3; near a threshold the order is lower. See docs/accuracy.md."""
 CURE = "write a higher f0 or a shorter horizon"
 
 # ASSUME: a device has room for its mass to travel a few rises; a snap moves it by two rises.
@@ -44,7 +48,6 @@ class HistoryOptions(AutoOptions, total=False):
 
     horizon: arguments.Horizon
     energy_tolerance: arguments.EnergyTolerance
-    until: arguments.Until
     start: arguments.Start
     pulse: arguments.PulseSpec
     direction: arguments.Direction
@@ -61,12 +64,13 @@ def simulate(
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
     model: `auto` takes its finest level
-    options: horizon, energy_tolerance, until, start, pulse, direction, model options; `until`
-        and `energy_tolerance` only set the time step
-    Attributes are `outcome` (a word), `t_snap` (us, NaN without a snap), `work_error`,
-    `t_snap_error`, `blow` and the closures of an electrode, as in a sweep; and the largest
+    options: horizon, energy_tolerance, start, pulse, direction, model options;
+        `energy_tolerance` only sets the time step
+    All attributes are of the motion shown, in its steps, shorter than those of a sweep: `outcome`
+    (a word), `t_snap` (us, NaN without a snap), `blow`, the closures of an electrode; the largest
     `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
-    `stress_max`, `stress_max_to_snap` (MPa).
+    `stress_max`, `stress_max_to_snap` (MPa). The errors that the time step makes, `work_error`
+    (relative) and `t_snap_error` (us), are SAFETY times the spread of runs in 1, 3/4 and 1/2 of it.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
@@ -81,7 +85,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
     if study.shocks.axes:
         raise ValueError("pulse: has several shapes or directions; write one of each")
-    device, settings = study.device, study.settings._replace(repeat=False)
+    device, settings = study.device, study.settings._replace(until="moved")
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
@@ -115,7 +119,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         t_snap=observed.t_snap.item(),
         **extremes._asdict(),
         **optional,
-        **_differences(built, cells, settings),
+        **{key: error.item() for key, error in errors_of(built, cells, settings).items()},
     )
 
 
@@ -152,16 +156,15 @@ def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]
 
 
 def _cell(study, N, f0, C):
-    """The model at the step that a sweep takes for a cell, the cell, and its `Observations`."""
+    """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
     horizon, pulses = study.settings.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
-    model = choose_model(study.device, study.model, study.settings.start)
+    model = choose_model(study.device, study.model, study.settings.start).levels[-1]
     moved = study.settings._replace(until="moved")
-    seconds = steps_and_seconds(model.levels[-1], cells, moved)[1].item()
+    seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
-    follow = model.follow_by_top if isinstance(model, Adaptive) else model.follow
-    observed = follow(cells, study.settings._replace(repeat=False))
-    return model.levels[-1].with_step(0.5 ** observed.halvings.item()), cells, observed
+    observed = model.follow(cells, moved)
+    return model.with_step(0.5 ** observed.halvings.item()), cells, observed
 
 
 def _record(built, cells, settings, samples):
@@ -218,17 +221,23 @@ def _stress_to(target, w, stress):
     return np.maximum(stress[:i].max(), at_snap), True
 
 
-def _differences(model, cells, settings):
-    """Differences to a run with another step: work of the pulse, relative, and snap time, us."""
-    settings = settings._replace(until="moved")
-    # No snap ends a run of the model `reference` before its pulse is over.
-    onward = replace(model, barrier=model.barrier._replace(second=-np.inf))
-    differences = {}
-    for compare, followed in ((work_error, onward), (t_snap_error, model)):
-        once = followed.follow_once(cells, settings)
-        again = followed.with_step(REPEATED_STEP).follow_once(cells, settings)
-        differences[compare.__name__] = compare(once, again).item()
-    return differences
+def errors_of(model: Model, cells: Cells, settings: Settings) -> dict[str, np.ndarray]:
+    """Find `work_error`, relative, and `t_snap_error`, us, of the motion of cells, (cells,).
+
+    NaN where not all runs know the work, or snap.
+    """
+    moved = settings._replace(until="moved")
+    models = [model.with_step(share) for share in ERROR_STEPS]
+    runs = onward = [each.follow_once(cells, moved) for each in models]
+    if model.name == "reference":  # no snap is to end a run before its pulse is over
+        barrier = model.barrier._replace(second=-np.inf)
+        onward = [replace(each, barrier=barrier).follow_once(cells, moved) for each in models]
+    work = np.array([run.pulse_work for run in onward])
+    spread, largest = np.ptp(work, axis=0), abs(work).max(axis=0)
+    return {
+        "work_error": SAFETY * np.divide(spread, largest, out=spread, where=largest > 0),
+        "t_snap_error": SAFETY * np.ptp([run.t_snap for run in runs], axis=0),
+    }
 
 
 def _observe(device, first, form, stress, motion, laws):

@@ -10,7 +10,7 @@ const PLAYED = 6000; // ms
 const strides = axes.map((_, n) => axes.slice(n + 1).reduce((cells, { values }) => cells * values.length, 1));
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const STEPS = [[X, [["ArrowLeft", "←"], ["ArrowRight", "→"]]], [Y, [["ArrowDown", "↓"], ["ArrowUp", "↑"]]]];
-const LINES = [1, 2, 3], APART = 4, CHOSEN = [5, 6], REQUIRED = 7; // curves of the map, after the cells
+const LINES = [1, 2, 3], CHOSEN = [4, 5], REQUIRED = 6; // curves of the map, after the cells
 const SNAPPED = study.views[0].states.findIndex(({ name }) => name === "snapped");
 const KINDS = { uint8: Uint8Array, float32: Float32Array, float64: Float64Array };
 const ends = study.views.find(({ name }) => name === "end") ?? study.views[0]; // whose words describe a cell
@@ -93,7 +93,7 @@ function openMap() {
   const bare = { type: "scatter", hoverinfo: "skip" };
   const pale = "rgba(255, 255, 255, 0.6)";
   const ring = { symbol: "circle-open", size: 15, color: "black", line: { width: 2 } };
-  const marks = [{ symbol: "line-ne-open", size: 7, color: "#333333" }, { ...ring, color: "white", line: { width: 5 } }, ring];
+  const marks = [{ ...ring, color: "white", line: { width: 5 } }, ring];
   const always = { symbol: "line-ew-open", size: 9, color: "black" };
   const curves = [
     { type: "heatmap", x: axes[X].edges, y: axes[Y].edges, zmin: -0.5, showscale: false, hoverinfo: "none" },
@@ -168,8 +168,7 @@ function describe(i, j) {
   const snap = cells.t_snap[k];
   const lines = [`<b>${state(k).words}</b>`, ...ending(k), say(Y, j), say(X, i)];
   if (isAbsent(k)) return lines.join("; ");
-  lines.push(Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> = ${round(snap)} µs`);
-  return lines.concat(cells.elsewhere[k] ? ["another step ended elsewhere"] : []).join("; ");
+  return [...lines, Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> ≈ ${Number(snap.toPrecision(2))} µs`].join("; ");
 }
 
 // Lines about the end of a cell that its colour does not tell.
@@ -187,15 +186,12 @@ function side(k) {
 }
 
 function drawMap() {
-  const apart = byCell((k, i, j) => (view === ends && cells.elsewhere[k] ? [[i, j]] : [])).flat(2);
   const codes = byCell((k) => cells[view.code][k]);
   const hasLines = axes[Y].name === "N" && view.name === "snap";
   const lines = hasLines ? thresholds() : LINES.map(() => ({ x: [], y: [] }));
-  listClasses(codes.flat(), apart.length, lines.map(({ y }) => y.some(Number.isFinite)));
+  listClasses(codes.flat(), lines.map(({ y }) => y.some(Number.isFinite)));
   const layers = { x: lines.map(({ x }) => x), y: lines.map(({ y }) => y) };
   Plotly.restyle(map, layers, LINES);
-  const inks = apart.map(([i, j]) => inkOn(view.states[codes[j][i]].colour));
-  Plotly.restyle(map, { ...marksAt(apart), "marker.color": [inks] }, [APART]);
   const colours = { colorscale: [view.scale], zmax: view.states.length - 0.5 };
   const z = byCell((k) => cells[view.code][k] + (view.ramp && cells.snap[k] === SNAPPED ? shade(k) : 0));
   Plotly.restyle(map, { z: [z], ...colours }, [0]);
@@ -255,11 +251,6 @@ function thresholds() {
   return [{ x, y: always.map((all, i) => (all > N[i] + known(error[i]) ? all : null)) }, band, { x, y: N }];
 }
 
-function inkOn(colour) {
-  const [red, green, blue] = [1, 3, 5].map((n) => parseInt(colour.slice(n, n + 2), 16));
-  return 0.3 * red + 0.6 * green + 0.1 * blue < 110 ? "#ffffff" : "#333333";
-}
-
 // Interpolates between the values of an axis, at a place between two cells.
 function between(values, place, isLog) {
   const low = Math.floor(place), [a, b] = [values[low], values[Math.ceil(place)]];
@@ -275,13 +266,12 @@ function marksAt(places) {
   return { x: [places.map(([i]) => along(X, i))], y: [places.map(([, j]) => along(Y, j))] };
 }
 
-function listClasses(codes, apart, [hasAlways, , hasFirst]) {
+function listClasses(codes, [hasAlways, , hasFirst]) {
   const items = view.states.map(({ words, colour }, code) => {
     const count = codes.filter((other) => other === code).length;
     const key = view.ramp && code === SNAPPED ? timeKey() : `<i style="background:${colour}"></i>${words}`;
     return count ? `<li>${key} (${count})</li>` : "";
   });
-  if (apart) items.push(`<li><i class="apart"></i>another step ended elsewhere (${apart})</li>`);
   if (hasFirst) items.push('<li><i class="line"></i>lowest N that snaps, with its error</li>');
   if (hasAlways) items.push('<li><i class="line always"></i>N above which all snap</li>');
   document.getElementById("classes").innerHTML = items.join("");
@@ -308,6 +298,8 @@ function drawChoice() {
 const pulseAt = () => study.pulses[axes.reduce((number, { name, values }, n) =>
   (["shape", "direction"].includes(name) ? number * values.length + nearest()[n] : number), 0)];
 
+const isFollowed = () => Boolean(pulseAt().pieces);
+
 function formAt() {
   const ofDevice = axes.filter(({ name }) => !["shape", "direction", "N", "f0", "C"].includes(name)).length;
   const place = axes.slice(0, ofDevice).reduce((number, { values }, n) => number * values.length + nearest()[n], 0);
@@ -321,7 +313,7 @@ let turn = 0;
 async function followChoice(k) {
   const choice = (turn += 1), line = document.getElementById("followed");
   run = null;
-  room.hidden = isAbsent(k) || !pulseAt().pieces;
+  room.hidden = isAbsent(k) || !isFollowed();
   if (room.hidden) line.textContent = isAbsent(k) ? "" : study.unfollowed;
   if (room.hidden) return;
   const [N, f0, C] = SHOCK.map(valueOf), shock = { N, f0: f0 * 1e-6, C }, [form, pulse] = [formAt(), pulseAt()];
@@ -373,8 +365,9 @@ function followed(k) {
   if (failed) return "The page's own run blew up.";
   const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps at t = ${round(snap)} µs`;
   const shape = study.shapes[Number(isAcross)];
-  const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it stays on the side of the ${shape} shape from t = ${round(settled)} µs on, by its energy`;
-  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (cells.well[k] && (cells.well[k] === 2) !== isAcross);
+  const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it settles in the ${shape} shape at t = ${round(settled)} µs`;
+  const isSure = cells.well[k] && state(k).name !== "elsewhere";
+  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (isSure && (cells.well[k] === 2) !== isAcross);
   const differs = isCell() && outcome(k).name !== "failed" && isOther ? " The map tells otherwise, and counts." : "";
   return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
 }
@@ -431,24 +424,26 @@ function threshold(row) {
 
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
-  const snap = `the midpoint reached the ${study.shapes[1]} equilibrium at t = ${round(cells.t_snap[k])} µs`;
-  const proven = `proven at t = ${round(cells.t_settled[k])} µs by the energy that is left`;
+  const snap = `the midpoint reached the ${study.shapes[1]} equilibrium${when(cells.t_snap[k])}`;
   const open = `${cells.well[k] ? `; it was ${side(k).join(" ")}` : ""}; what follows is open`;
-  const doubt = cells.elsewhere[k] ? " With another step it ended elsewhere." : "";
+  const settled = (shape) => `this run has settled in the ${study.shapes[shape]} shape${when(cells.t_settled[k])}: its energy is too low to leave`;
   return {
     unsnapped: `no snap within ${round(study.horizon / 1e3)} ms after the pulse${open}.`,
-    never: `no snap, ${proven}: after the pulse nothing adds to it.`,
+    never: `no snap; ${settled(0)}.`,
     snapped: `${snap}${open}.`,
-    latched: `${snap}; that it stays is ${proven}.`,
-    returned: `${snap}; that it is back in the ${study.shapes[0]} shape for ever is ${proven}.`,
+    latched: `${snap}; ${settled(1)}.`,
+    returned: `${snap}; ${settled(0)}.`,
     failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
-  }[outcome(k).name] + doubt + withAnotherStep(k);
+  }[outcome(k).name] + withAnotherStep(k);
 }
+
+// The map's time, in its longer steps, unless the page follows the cell and tells its own.
+const when = (time) => (isFollowed() ? "" : ` at t = ${round(time)} µs`);
 
 function withAnotherStep(k) {
   const [work, snap] = [cells.work_error[k], cells.t_snap_error[k]];
   if (Number.isNaN(work)) return "";
-  const time = Number.isNaN(snap) ? "" : `, the time of snap by ${Number(snap.toPrecision(2))} µs`;
+  const time = Number.isNaN(snap) || isFollowed() ? "" : `, the time of snap by ${Number(snap.toPrecision(2))} µs`;
   return ` With another step, which indicates the error, the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
 }
 

@@ -38,10 +38,10 @@ STRUCK = {
 """Words for what the pulse does, by the kind of the drawing."""
 WORDS = {
     "unsnapped": "no snap, end open",
-    "never": "never snaps",
+    "never": "settles without a snap",
     "snapped": "snaps, end open",
-    "latched": "snaps and stays",
-    "returned": "snaps and returns",
+    "latched": "snaps and settles there",
+    "returned": "snaps and settles back",
     "failed": "failed",
     "absent": "no second stable shape",
 }
@@ -268,7 +268,8 @@ def _opening(cells, x, y):
     known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
     along = np.moveaxis(known & ~snaps, dims.index(y), 0)
     below = np.moveaxis(np.concatenate([np.zeros_like(along[:1]), along[:-1]]), 0, dims.index(y))
-    first, sure = snaps & below, ~states.end_elsewhere(cells).values
+    first = snaps & below
+    sure = states.end_states(cells).values != states.ELSEWHERE if "well" in cells else known
     choice = next(mask for mask in (first & sure, first, known, ~known) if mask.any())
     places, size = np.argwhere(choice), np.array(choice.shape)
     off = ((places - (size - 1) / 2) / size) ** 2
@@ -285,7 +286,6 @@ def _arrays(cells, thresholds):
         "snap": states.snap_states(cells),
         **({"end": states.end_states(cells)} if "well" in cells else {}),
         "outcome": cells.outcome,
-        "elsewhere": states.end_elsewhere(cells),
         "well": cells.get("well", xr.zeros_like(cells.outcome)),
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,

@@ -1,4 +1,4 @@
-"""Whether proven runs stay in their wells for another 10 ms."""
+"""Whether settled runs stay in their wells for another 10 ms."""
 
 from dataclasses import replace
 from itertools import product
@@ -25,14 +25,14 @@ DAMPINGS = (0.025, 25.0)
 SETTINGS = Settings(threads=2)
 FURTHER = 10_000.0
 """Time for which runs are followed after the pulse, us."""
-HEAD = ["beam", "contact, N/m", "model", "proven", "left their well"]
+HEAD = ["beam", "contact, N/m", "model", "settled", "left their well"]
 FREE = {"free": 1.0, "imperfection": 0.02, "thickness": 1.4, "residual_stress": -40.0}
 FREE |= {"damping": 4e-4}
 """A beam that is free to tilt and still has a second shape; um, MPa, 1/us."""
 
 
 def followed_on(device: Device) -> str:
-    """Make a table of how many cells are proven, and how many of these leave their well later."""
+    """Make a table of how many cells settle, and how many of these leave their well later."""
     rows = []
     tilting = replace(device, beam=replace(device.beam, **FREE))
     for (name, beam), contact, label in product(
@@ -45,21 +45,21 @@ def followed_on(device: Device) -> str:
 
 
 def count(model, C):
-    """Count the cells that are proven at the default step, and those of them that leave."""
+    """Count the cells that settle at the default step, and those of them that leave."""
     f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
     observed = model.follow_once(cells, SETTINGS)
-    settled = np.isfinite(observed.t_settled)
-    proven = np.flatnonzero(settled & (observed.energy_error <= SETTINGS.energy_tolerance))
+    believed = observed.energy_error <= SETTINGS.energy_tolerance
+    settled = np.flatnonzero(np.isfinite(observed.t_settled) & believed)
     left = 0
-    for first in range(0, proven.size, LANES):
-        some = proven[first : first + LANES]
+    for first in range(0, settled.size, LANES):
+        some = settled[first : first + LANES]
         left += leavers(model, cells.take(some), observed.t_settled[some], observed.well[some])
-    return proven.size, left
+    return settled.size, left
 
 
 def leavers(model, cells, t_settled, well):
-    """Count cells, LANES at most, that are on the other side of the saddle after their proof.
+    """Count cells, LANES at most, that are on the other side of the saddle after they have settled.
 
     t_settled, well: as observed, (cells,)
     """
