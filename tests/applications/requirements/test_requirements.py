@@ -67,7 +67,7 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
     thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
-    required = {"name": "launch", "N": N, "snaps": True, "f0": 2000.0}
+    required = {"name": "launch", "N": N, "snaps": "arrives", "f0": 2000.0}
     required["shocks"] = make_shocks(*shapes.values())
     needs = [required, required | {"name": "set back", "snaps": "any"}]
     verdicts = check(replace(study, device=device), needs, [25.0], temperatures=degrees)

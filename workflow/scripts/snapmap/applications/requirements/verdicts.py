@@ -10,7 +10,7 @@ from ...files.atomic import replacing
 from ...study.study import Study
 from ..design.design import remedy, with_value
 from ..histories.history import Extremes
-from .check import Survival, summary, worst
+from .check import Survival, restless, summary, worst
 from .corners import VIOLATED, Verdict, at_corner, beyond
 from .required import Required
 
@@ -62,7 +62,7 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
     judged = [pair for required in requirements for pair in required.check(study, C)]
     verdicts = [verdict for verdict, _ in judged]
     wrong, words = worst(verdicts)
-    lines = [summary(verdicts), words]
+    lines = [summary(verdicts), restless(verdicts), words]
     breaks = dict.fromkeys(
         verdict.requirement
         for verdict, beside in judged
