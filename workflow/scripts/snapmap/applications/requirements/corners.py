@@ -122,6 +122,12 @@ def corner_text(row: Mapping) -> str:
     return f"{shock}, C = {plain(row['C'])}, {plain(row['temperature'])} degC"
 
 
+def end_text(row: Mapping) -> str:
+    """Write how the beam ends after a required shock; row: a Verdict as a mapping."""
+    share = f", {row['share_staying']:.0%} of the runs stay" if row["end"] == DIFFERS else ""
+    return f"{row['end']}{share}"
+
+
 def must_text(name: str, must_snap: bool | int | str) -> str:
     """Write a requirement's name and what the device must do.
 

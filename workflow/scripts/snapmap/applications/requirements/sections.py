@@ -39,7 +39,9 @@ SNAPS = {
 def snaps(*words: str) -> object:
     """Make the key that tells whether a device must trip: true, false, or one of the words."""
     need = " or ".join([", ".join(["true", "false", *words[:-1]]), words[-1]])
-    what = "; ".join(["whether the device must trip", *(f"`{word}`: {SNAPS[word]}" for word in words)])
+    what = "; ".join(
+        ["whether the device must trip", *(f"`{word}`: {SNAPS[word]}" for word in words)]
+    )
     fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
     return argument(fits, what)
 
