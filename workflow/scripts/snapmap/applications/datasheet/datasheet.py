@@ -78,9 +78,7 @@ def datasheet(
         sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
         level = f"{plain(device.gravity * 1e6)} m/s^2"
         level = f"{device.force:g} uN on the midpoint" if device.force else level
-        words = (
-            f"Thresholds in multiples of {level}, and over the required level; the worst first:\n"
-        )
+        words = f"Thresholds in multiples of {level}, and over the required level, worst first:\n"
         sheets += [words, table(head, (_verdict(row, batch) for row in rows)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
@@ -204,6 +202,8 @@ def _largest(study, requirements, verdicts, size):
     """
     by_name = {required["name"]: required for required in requirements}
     shocks = [row for row in verdicts if row["requirement"] in by_name]
+    stops = {"toward_max": study.device.stop_toward, "away_max": study.device.stop_away}
+    free = [key for key, stop in stops.items() if np.isinf(stop)]
     for key, (words, unit) in UNITS.items():
         if not np.isfinite([row[key] for row in shocks]).any():
             continue
@@ -213,10 +213,9 @@ def _largest(study, requirements, verdicts, size):
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"] * size, step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, {corner_text(worst)}"
-        value_text = f"{plain(value)} {unit}"
-        if unit == "um" and worst["travel_over_rise"] > FARTHEST:
-            value_text += f"; {OUTSIDE}"
-        yield [words, value_text, f"{plain(abs(worst[key] - other), 1)} {unit}", where]
+        is_outside = key in free and value > FARTHEST * study.device.beam.height
+        text = f"{plain(value)} {unit}" + (f"; {OUTSIDE}" if is_outside else "")
+        yield [words, text, f"{plain(abs(value - other), 1)} {unit}", where]
 
 
 def _shares(made):

@@ -35,7 +35,10 @@ class RequiredClosing(RequiredShock):
 
 
 class ClosingSection(ShockSection):
-    """A shock under which the device must close its electrode; `snaps: true` counts as `arrives`."""
+    """A shock under which the device must close its electrode.
+
+    `snaps: true` counts as `arrives`.
+    """
 
     kind = RequiredClosing
     closes_within: quantity(

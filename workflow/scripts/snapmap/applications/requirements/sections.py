@@ -30,7 +30,7 @@ NAME = argument(
 
 
 SNAPS = {
-    ARRIVES: "it must arrive at its other shape, and need not stay there, as it must with `true`",
+    ARRIVES: "it must arrive at its other shape, if only for a moment",
     ANY: "either is right",
 }
 """What the words of `snaps` mean."""
@@ -39,9 +39,8 @@ SNAPS = {
 def snaps(*words: str) -> object:
     """Make the key that tells whether a device must trip: true, false, or one of the words."""
     need = " or ".join([", ".join(["true", "false", *words[:-1]]), words[-1]])
-    what = "; ".join(
-        ["whether the device must trip", *(f"`{word}`: {SNAPS[word]}" for word in words)]
-    )
+    meanings = [f"`{word}`: {SNAPS[word]}" for word in words]
+    what = "; ".join(["whether the device must trip and stay tripped", *meanings])
     fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
     return argument(fits, what)
 
