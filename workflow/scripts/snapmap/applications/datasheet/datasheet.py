@@ -11,6 +11,7 @@ from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.device import Beam
 from ...device.quantities import QUANTITIES, leaves, plain
+from ...device.samples import Tolerances
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
@@ -105,9 +106,11 @@ def _device(study, device, written):
 def _of_config(source):
     """Rows of the config's hash, of its axes, and of what scatters, as it has them."""
     yield ["SHA-256 of its values as sorted JSON", f"{config_hash(source)}..."]
-    for key, what in (("sweep", "sweep"), ("tolerances", "devices as made")):
+    for key, what in (("pulse", "pulse"), ("sweep", "sweep"), ("tolerances", "devices as made")):
         for name, value in source.get(key, {}).items():
-            yield [f"{what}: {name.replace('_', ' ')}", _written(value)]
+            is_width = key == "tolerances" and name not in Tolerances._fields
+            kind = ", standard deviation" if is_width and not isinstance(value, Mapping) else ""
+            yield [f"{what}: {name.replace('_', ' ')}", _written(value) + kind]
 
 
 def _written(value):
@@ -138,7 +141,8 @@ def _statics(device, verdicts, damper):
     yield ["slow shock that snaps it", f"above {N:.5g}; faster ones may snap it below"]
     for C in sorted({row["C"] for row in verdicts}):
         dwell = 2 / growth_rate(device, C * size)
-        text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else "no law of it here"
+        unknown = "not known: the law of slow shocks does not hold here"
+        text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
         yield [f"time that a slow shock must last above it at C = {C:g} {unit}", text]
 
 
@@ -168,10 +172,13 @@ def _verdict(row, made):
         if share > 0:
             error = share / np.sqrt(2 * first.count().item())  # of normally distributed thresholds
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
-    threshold, margin = "nothing snaps", DASH
+    level, threshold, margin = LEVELS.get(row["shape"], ""), "nothing snaps", DASH
+    required = plain(row["N"], 5) + level
+    if np.isfinite(row["scale"]):
+        required += f" ({plain(row['scale'])} of the record)"
     if np.isfinite(row["N_first"]):
         threshold = f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}"
-        threshold += LEVELS.get(row["shape"], "")
+        threshold += level
         if np.isfinite(row["scale_first"]):
             threshold += f" ({plain(row['scale_first'])} of the record)"
         margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
@@ -184,7 +191,7 @@ def _verdict(row, made):
         shock,
         plain(row["temperature"]),
         f"{row['C']:g}",
-        plain(row["N"], 5) + LEVELS.get(row["shape"], ""),
+        required,
         threshold,
         spread,
         margin,

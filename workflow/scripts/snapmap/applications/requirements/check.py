@@ -28,6 +28,7 @@ from .corners import (
     Verdict,
     beyond,
     corner_text,
+    end_text,
 )
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
@@ -213,9 +214,11 @@ def restless(verdicts: Sequence[Verdict]) -> str:
     wrong = [v for v in verdicts if v.must_snap is True and v.end in (RETURNS, DIFFERS, OPEN)]
     lines = {}
     for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
-        words = f"{verdict.requirement}, {corner_text(verdict._asdict())}: {verdict.end}"
-        share = f"{verdict.share_staying:.0%} of the runs near N = {plain(verdict.N)} stay"
-        lines.setdefault(verdict.requirement, f"{words}, {share}")
+        row = verdict._asdict()
+        words = (
+            f"{verdict.requirement}, {corner_text(row)}: at N = {plain(verdict.N)} {end_text(row)}"
+        )
+        lines.setdefault(verdict.requirement, words)
     return "; ".join(lines.values())
 
 

@@ -12,7 +12,7 @@ from ...solver.settings import FIRST
 from ...study.study import ANY, SNAPS, Study, of_requirement
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
-STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "differs nearby"
+STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "ends differ"
 NO_ARRIVAL, NOT_FOLLOWED = "does not arrive", "not followed"
 """How a beam ends after a required shock."""
 
@@ -95,19 +95,22 @@ def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
     raise KeyError(pushed)
 
 
-def badness(row: Mapping) -> tuple[int, float]:
+def badness(row: Mapping) -> tuple[int, float, float]:
     """Rank a row of verdicts, higher if worse: by its verdict, then by `beyond`.
 
-    Where a trip does not matter, the least of the other margins counts.
+    A beam that must stay is worse, the fewer of its runs do. Where a trip does not matter, the
+    least of the other margins counts.
     """
     severity = (MET, UNCLEAR, VIOLATED).index(row["verdict"])
+    must_stay = row["must_snap"] is True
+    straying = np.nan_to_num(1 - row.get("share_staying", np.nan)) if must_stay else 0.0
     if row["must_snap"] == ANY:
         margins = {key: row[key] for key in row if key.endswith("_margin")}
         if not row["must_survive"] > 0:
             margins["strength_margin"] = np.nan
         reserve = np.fmin.reduce([np.nan, *margins.values()])
-        return severity, -np.inf if np.isnan(reserve) else -reserve
-    return severity, beyond(row["margin"], row["must_snap"])
+        return severity, straying, -np.inf if np.isnan(reserve) else -reserve
+    return severity, straying, beyond(row["margin"], row["must_snap"])
 
 
 def beyond(margin: float, must_snap: bool) -> float:
@@ -124,8 +127,8 @@ def corner_text(row: Mapping) -> str:
 
 def end_text(row: Mapping) -> str:
     """Write how the beam ends after a required shock; row: a Verdict as a mapping."""
-    share = f", {row['share_staying']:.0%} of the runs stay" if row["end"] == DIFFERS else ""
-    return f"{row['end']}{share}"
+    staying = f", {100 * row['share_staying']:.0f} % of the runs stay"
+    return row["end"] + (staying if row["end"] == DIFFERS else "")
 
 
 def must_text(name: str, must_snap: bool | int | str) -> str:
