@@ -153,15 +153,18 @@ def _follow(study, grid, N):
 
 
 def _ends(runs, tolerance):
-    """Compare runs, each (rows, n); returns how those of each row end that arrive, and the share
-    that stays, lists."""
+    """Compare runs, each (rows, n): how those of each row end that arrive, and which share stays.
+
+    RETURNS if none stays, though some may still swing.
+    """
     sides = np.stack([side_at_end(run, tolerance) for run in runs], axis=1)
     arrive = np.stack([np.isfinite(run.t_snap) for run in runs], axis=1)
     ends, shares = [], []
     for side, which in zip(sides, arrive, strict=True):
-        kinds = np.unique(side[which])
-        ends.append((OPEN, RETURNS, STAYS)[kinds[0]] if kinds.size == 1 else DIFFERS)
-        shares.append(float(np.mean(side[which] == 2)) if which.any() else np.nan)
+        stays = side[which] == 2
+        gone = RETURNS if (side[which] == 1).any() else OPEN
+        ends.append((STAYS if stays.all() else DIFFERS) if stays.any() else gone)
+        shares.append(float(stays.mean()) if stays.size else np.nan)
     return ends, shares
 
 
@@ -215,10 +218,8 @@ def restless(verdicts: Sequence[Verdict]) -> str:
     lines = {}
     for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
         row = verdict._asdict()
-        words = (
-            f"{verdict.requirement}, {corner_text(row)}: at N = {plain(verdict.N)} {end_text(row)}"
-        )
-        lines.setdefault(verdict.requirement, words)
+        where = f"{verdict.requirement}, {corner_text(row)}, N = {plain(verdict.N)}"
+        lines.setdefault(verdict.requirement, f"{where}: {end_text(row)}")
     return "; ".join(lines.values())
 
 

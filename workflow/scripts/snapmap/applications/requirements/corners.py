@@ -27,8 +27,8 @@ class Verdict(NamedTuple):
     outcome: outcome of the required shock, simulated
     verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
     start: as in `Settings`
-    end: how the required shock ends, in all runs near N that arrive: STAYS, RETURNS or OPEN; else
-        DIFFERS, NO_ARRIVAL or NOT_FOLLOWED
+    end: how the required shock ends, in the runs near N that arrive: STAYS if all stay, DIFFERS if
+        some do, else RETURNS or OPEN; NO_ARRIVAL at N itself, or NOT_FOLLOWED
     share_staying: share of these runs that stay in the other shape
     """
 
