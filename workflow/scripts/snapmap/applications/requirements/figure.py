@@ -41,7 +41,8 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     for place, (row, *others) in enumerate(groups):
         margin, note = row["margin"], {"va": "center", "fontsize": 6}
         either_way = (low, high if row["verdict"] == "met" else low)
-        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], either_way)
+        sides = {True: (low, 1), ARRIVES: (low, 1), False: (1, high)}
+        ends = sides.get(row["must_snap"], either_way)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
         margins = [other["margin"] for other in others]
         ax.plot(margins, [place] * len(others), **OTHER)
@@ -52,9 +53,14 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
         words = [end_text(row)] if row["must_snap"] in (True, ARRIVES) else []
         if row["break_probability"] > 1 - row["must_survive"]:
             words.append("the beam breaks")
-        beside = np.fmax.reduce([low, margin, *margins])
+        first, last = (
+            np.fmin.reduce([high, margin, *margins]),
+            np.fmax.reduce([low, margin, *margins]),
+        )
+        is_right = high / last >= first / low
+        beside, side = (last, "left") if is_right else (first, "right")
         if words:
-            ax.annotate(f"   {'; '.join(words)}", (beside, place), **note)
+            ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
