@@ -1,11 +1,14 @@
-"""The page to explore a study in a browser.  Imports: core alone."""
+"""The page to explore a study in a browser.  Imports: requirements."""
 
 part = "4 Page"
 
 
 def drawn_from(study):
-    """Cube and thresholds."""
-    return {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+    """Cube and thresholds, and the verdicts on required shocks."""
+    from .. import requirements
+
+    cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+    return cells | requirements.outputs(study)
 
 
 def figures(study):
@@ -23,13 +26,16 @@ def figures(study):
     return {"explore.html": {"horizon": study.settings.horizon, **shown}}
 
 
-def draw(figures, folder, cube_path, threshold_path):
+def draw(figures, folder, cube_path, threshold_path, requirements_path=""):
     """Write the page."""
     from ...files.atomic import write_text
     from ...study.netcdf import check_alike, open_whole
+    from ..requirements.corners import read_verdicts
     from .figure import page  # brings Plotly
 
+    verdicts = read_verdicts(requirements_path) if requirements_path else ()
     with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
         check_alike(cube, thresholds, threshold_path)
         for name, arguments in figures.items():
-            write_text(page(cube, thresholds, **arguments), f"{folder}/{name}")
+            text = page(cube, thresholds, **arguments, verdicts=verdicts)
+            write_text(text, f"{folder}/{name}")
