@@ -89,9 +89,7 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     assert (damped.end, damped.verdict) == ("stays", "met")
 
 
-@pytest.fixture(scope="module")
-def told(tmp_path_factory):
-    """Verdicts on a beam that returns: the table, what was printed, and the warnings."""
+def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
     document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"], "horizon": "4 ms"}
@@ -101,11 +99,7 @@ def told(tmp_path_factory):
         crash | {"name": "contact", "direction": "+z", "snaps": "arrives"},
         crash | {"name": "hit", "N": 40_000, "direction": "-z", "snaps": "arrives"},
     ]
-    return load_config(document), tmp_path_factory.mktemp("told") / "requirements.csv"
-
-
-def test_the_last_line_the_table_and_the_page_tell_that_it_returns(told, capsys):
-    study, path = told
+    study, path = load_config(document), tmp_path / "requirements.csv"
     with pytest.warns(UserWarning, match="the mass travels") as warned:
         write_verdicts(study, study.requests["requirements"], str(path))
     (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]

@@ -22,7 +22,7 @@ from ...thresholds.slow import growth_rate
 from .. import functions
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
-from ..requirements.corners import at_corner, badness, corner_text, corners, end_text, must_text
+from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
 from ..statics.statics import statics
 
 UNITS = {
@@ -68,8 +68,9 @@ def datasheet(
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
-        groups = sorted(corners(of_device), key=lambda group: badness(group[0]), reverse=True)
-        rows = [row for group in groups for row in group]
+        rows = sorted(of_device, key=badness, reverse=True)
+        names = [*dict.fromkeys(row["requirement"] for row in rows)]
+        rows.sort(key=lambda row: names.index(row["requirement"]))
         heading = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         facts = _device(study, device, written[name])
         sheets += [f"{heading}\n", table(["device", "value"], facts)]
