@@ -10,11 +10,10 @@ import numpy as np
 from ...beam.stress import break_probability
 from ...device.device import Device
 from ...device.quantities import plain
-from ...solver.adaptive import Adaptive, choose_model
-from ...solver.outcome import FAILED, OUTCOMES, REPEATED_STEP, label, side_at_end
+from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
-from ...study.axes import rows_of
 from ...study.study import ANY, Study, of_requirement
+from ...thresholds.near import NEAR, follow_near
 from ...thresholds.surface import first_snaps
 from .corners import (
     DIFFERS,
@@ -35,11 +34,6 @@ LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of the thresholds of vibration and of spectra, by the shape of a verdict."""
 SEARCHED = "N_first", "N_error", "N_always", "ragged"
 """Results of a search along N, for each row."""
-# ASSUME: a shock machine repeats its peak to 1 % at best, so a beam that must stay has to stay at
-# these factors of N, too.
-NEAR = 1 + np.arange(-10, 11) / 1000
-STEPS = 1.0, REPEATED_STEP
-"""Factors on the time step under which the required shock is followed."""
 
 
 class Survival(NamedTuple):
@@ -98,7 +92,7 @@ def _verdicts(study, name, required, C, tolerance):
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
     thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
     near = NEAR if must not in (False, ANY) else np.ones(1)
-    runs = _follow(study, grid, N * near)
+    runs = follow_near(study, grid, N * near)
     own = runs[0].take((slice(None), near.size // 2))
     outcomes, arrives = label(*own[:4], settings.energy_tolerance), np.isfinite(own.t_snap)
     ends = zip(*_ends(runs, settings.energy_tolerance), strict=True)
@@ -138,18 +132,6 @@ def _verdicts(study, name, required, C, tolerance):
             end=end,
             share_staying=share,
         )
-
-
-def _follow(study, grid, N):
-    """Follow the rows of a grid to the end, at each N by the finest level, in each of STEPS."""
-    settings = study.settings._replace(until="settled")
-    cells, runs = rows_of(grid).cells(grid.device, N, settings.horizon), []
-    model = choose_model(grid.device, study.model, settings.start)
-    for step in STEPS:
-        part = model.with_step(step)
-        follow = part.follow_by_top if isinstance(part, Adaptive) else part.follow
-        runs.append(follow(cells.flat(), settings).shaped(cells.f0.shape))
-    return runs
 
 
 def _ends(runs, tolerance):
