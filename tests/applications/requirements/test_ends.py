@@ -9,6 +9,7 @@ from small_studies import THREE_COSINES
 from varied import varied
 
 import snapmap
+from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.corners import read_verdicts
@@ -20,7 +21,6 @@ from snapmap.solver.outcome import side_at_end
 from snapmap.solver.settings import Settings
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
-from snapmap.thresholds.near import NEAR
 
 F0, C, HORIZON = 8000.0, 25.0, 4000.0
 ENDS = {0.03: "stays", 2e-3: "ends differ", 1e-4: "arrives and returns"}

@@ -13,8 +13,8 @@ from ...device.quantities import plain
 from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.study import ANY, Study, of_requirement
-from ...thresholds.near import NEAR, follow_near
 from ...thresholds.surface import first_snaps
+from ..histories.near import NEAR, follow_near
 from .corners import (
     DIFFERS,
     MET,

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..solver.adaptive import Adaptive, choose_model
-from ..solver.cells import Observations
-from ..solver.outcome import REPEATED_STEP
-from ..study.axes import Grid, rows_of
-from ..study.study import Study
+from ...solver.adaptive import Adaptive, choose_model
+from ...solver.cells import Observations
+from ...solver.outcome import REPEATED_STEP
+from ...study.axes import Grid, rows_of
+from ...study.study import Study
 
 # ASSUME: a shock machine repeats its peak to 1 % at best, so a beam that must stay has to stay at
 # these factors of N, too.
