@@ -33,9 +33,9 @@ def draw(figures, folder, cube_path, threshold_path, requirements_path=""):
     from ..requirements.corners import read_verdicts
     from .figure import page  # brings Plotly
 
-    verdicts = read_verdicts(requirements_path) if requirements_path else ()
     with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
         check_alike(cube, thresholds, threshold_path)
+        verdicts = read_verdicts(requirements_path) if requirements_path else ()
         for name, arguments in figures.items():
             text = page(cube, thresholds, **arguments, verdicts=verdicts)
             write_text(text, f"{folder}/{name}")

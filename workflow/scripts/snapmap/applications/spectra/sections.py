@@ -96,10 +96,7 @@ class VibrationSection(Section):
 
 
 class SpectrumSection(Section):
-    """A shock response spectrum that must, or must not, trip the device.
-
-    `true` counts as `arrives`.
-    """
+    """A shock response spectrum that must, or must not, trip it; `true` counts as `arrives`."""
 
     name: NAME
     snaps: snaps(ARRIVES)

@@ -84,8 +84,7 @@ def _of_spectrum(study, required, name, C, drawn):
 
 def _verdict(required, place, snapped, low, high, level, error):
     """Make a verdict; place: its fields of shock and corner; low, high: bounds of its level."""
-    # ASSUME: a beam that must trip need only arrive at its other shape: vibration has no end after
-    # which it could stay, and the records of a spectrum end at the snap.
+    # ASSUME: a beam need only arrive, as vibration has no end after which it could stay.
     N, must, verdict = place["N"], bool(required["snaps"]), UNCLEAR
     if low > N or high < N:
         verdict = MET if (high < N) == must else VIOLATED
