@@ -11,6 +11,7 @@ from varied import varied
 import snapmap
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
+from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.applications.requirements.verdicts import write_verdicts
@@ -113,3 +114,15 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
     least = min(row["share_staying"] for row in rows if row["requirement"] == "crash")
     assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
     assert least == 0.0 and _worst("no such", rows) == ""
+
+
+def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
+    document = yaml.safe_load(THREE_COSINES)
+    document["device"]["contact_at"] = "-5 um"
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
+    crash = {"N": 1500, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
+    document["requirements"] = [
+        crash | {"name": "closes", "closes_within": "1 ms"},
+        crash | {"name": "trips"},
+    ]
+    assert [shock["snaps"] for shock in shocks_of(load_config(document))] == ["arrives", True]
