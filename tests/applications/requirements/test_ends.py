@@ -119,8 +119,8 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
 def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["contact_at"] = "-5 um"
-    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
-    crash = {"N": 1500, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "1 ms"}
+    crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
     document["requirements"] = [
         crash | {"name": "closes", "closes_within": "1 ms"},
         crash | {"name": "trips"},
