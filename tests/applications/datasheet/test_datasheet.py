@@ -7,12 +7,14 @@ import pytest
 
 from snapmap.applications.datasheet.datasheet import datasheet
 from snapmap.applications.electrode.closures import CLOSING
-from snapmap.applications.histories.history import extremes_of
+from snapmap.applications.histories.history import extremes_of, free_travel
 from snapmap.applications.requirements.check import check, judge
+from snapmap.applications.requirements.corners import at_corner
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.device.samples import Tolerances
+from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.study.provenance import device_sections
+from snapmap.study.provenance import config_hash, device_sections
 from snapmap.study.study import Study
 from snapmap.thresholds.slow import growth_rate
 
@@ -41,10 +43,11 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     how = {"made": made, "title": "Crash sensor, 2026", "damper": ("mN*s/m", 1000.0)}
     text = datasheet(study, [row], {"device": sections}, required, **how)
 
-    shock, degrees, C, threshold, spread, margin, met, *strength = row_of(
+    shock, degrees, C, required, threshold, spread, margin, end, met, *strength = row_of(
         text, "drop, does not trip"
     )
-    assert (shock, degrees, C, met) == ("half sine +z, 1 ms", "20", "0.025", "met")
+    assert (shock, degrees, C, required) == ("half sine +z, 1 ms", "20", "0.025", "500")
+    assert (end, met) == ("does not arrive", "met")
     value, error = map(float, threshold.split(" ± "))
     assert value == pytest.approx(verdict.N_first, rel=1e-4)
     assert error == pytest.approx(verdict.N_error, rel=0.1)
@@ -65,9 +68,58 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
         "first closure": ["2 us", "6 us", where],
         "openings": ["4", "8", where],
         "force on the electrode at -5 um": ["10.723 uN"],
-        "slow shock that snaps it": ["above 936.78 for longer than a dwell time"],
-        "dwell time at C = 0.025 mN*s/m": [f"{2 / growth_rate(device, 25.0):.4g} us"],
+        "slow shock that snaps it": ["above 936.78; faster ones may snap it below"],
+        "time that a slow shock must last above it at C = 0.025 mN*s/m": [
+            f"{2 / growth_rate(device, 25.0):.4g} us, to first order"
+        ],
     }.items():
         assert row_of(text, name) == cells
     heads = "| C, mN*s/m |", "| meet all, at 20 degC |", "at rest at 20 degC"
     assert all(words in text for words in (*heads, "](figures/requirements.png)"))
+    assert "exact" not in text
+
+
+def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
+    """The worst first; a mass that flies too far marks its own row; the config is named."""
+    study = Study(device=handout, model={"name": "cosines", "cosines": 3})
+    both = {"shocks": make_shocks("half sine", "both"), "f0": 1000.0, "snaps": False}
+    record = make_shocks(replace(make_pulse("half sine"), peak=100 * handout.gravity))
+    required = [
+        both | {"name": "hit", "N": 5000.0},
+        both | {"name": "bump", "N": 50.0, "shocks": record},
+    ]
+    rows = []
+    for verdict in check(study, required, [25.0, 200.0], temperatures=[20.0, 80.0]):
+        shaken = at_corner(study, both, verdict._asdict() | {"shape": "half sine"})
+        moved = extremes_of(shaken, verdict.N, verdict.f0, verdict.C)
+        _, survival = judge(verdict, handout, moved.stress_max, 0.999)
+        rows.append(verdict._asdict() | moved._asdict() | survival._asdict())
+        rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
+    source = {
+        "pulse": {"direction": "both"},
+        "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
+        "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
+    }
+    written = {"device": {"mass": "10 mg"}}
+    text = datasheet(study, rows, written, required[:1], source=source)
+    lines = [line for line in text.splitlines() if ", does not trip" in line]
+    assert len(lines) == len(rows) == 12
+    assert [line.split(",")[0] for line in lines] == ["| hit"] * 8 + ["| bump"] * 4
+    margins = [float(line.split("|")[8].split(" ± ")[0]) for line in lines]
+    assert margins[:8] == sorted(margins[:8]) and margins[8:] == sorted(margins[8:])
+    assert "50 (0.5 of the record)" in lines[-1] and "of the record" not in lines[0]
+    far = [row["travel_over_rise"] > 5 for row in rows]
+    assert 0 < sum(far) < 12
+    assert sum("outside any package: not valid" in line for line in lines) == sum(far)
+    assert row_of(text, "SHA-256") == [f"{config_hash(source)}..."]
+    assert config_hash(source) != config_hash(source | {"title": "another"})
+    for name, value in {
+        "pulse: direction": "both",
+        "sweep: C": "25 uN*us/um, 200 uN*us/um",
+        "sweep: N": "from 500, points 3",
+        "devices as made: thickness": "0.05 um, standard deviation",
+        "devices as made: N": "uniform 2 %",
+        "devices as made: samples": "32",
+    }.items():
+        assert row_of(text, name) == [value]
+    assert datasheet(study, rows, written, required[:1], source=source) == text

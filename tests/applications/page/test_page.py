@@ -17,6 +17,14 @@ ALWAYS, BAND, FIRST, _, CHOSEN, REQUIRED_SHOCKS = range(1, 7)
 """Which curve of the map is which."""
 
 
+VERDICTS = """\
+requirement,device,shape,direction,C,temperature,must_snap,verdict,end,share_staying,margin
+crash,,half sine,+z,25,20,True,unclear,ends differ,0.4,0.5
+crash,,half sine,+z,50,20,True,met,stays,1,0.9
+"""
+"""A part of a table of verdicts, of which the page tells the worst."""
+
+
 @pytest.fixture(scope="module")
 def cube(handout):
     return swept(handout)
@@ -47,6 +55,8 @@ def page_file(cube, tmp_path_factory):
     paths = [folder / f"{name}.nc" for name in ("cube", "threshold")]
     for dataset, path in zip((cube, edges_of(cube)), paths, strict=True):
         write(dataset, path)
+    paths.append(folder / "requirements.csv")
+    paths[-1].write_text(VERDICTS)
     drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
     draw({"explore": drawing}, folder, *paths)
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
@@ -209,7 +219,9 @@ def test_the_page_has_the_title_and_the_required_shocks_of_the_map(view):
     edge = view.page.evaluate("axes[X].edges.at(-1)")
     assert (x, y, numbers) == ([3000, edge], [1200, 900], ["1", "2"])
     legend = view.text("#classes")
-    assert "1: required shock crash, N = 1200, 3000 Hz" in legend and "another" not in legend
+    told = "unclear: ends differ, 40 % of the runs stay, at worst (half sine +z, C = 25, 20 degC)"
+    assert f"1: required shock crash, N = 1200, 3000 Hz; {told}" in legend
+    assert "another" not in legend
     assert "2: required shock <i>drop</i>, N = 900, 90000 Hz (beyond the map)" in legend
 
 

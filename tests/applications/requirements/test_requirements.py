@@ -68,7 +68,7 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
     thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
-    required = {"name": "launch", "N": N, "snaps": True, "f0": 2000.0}
+    required = {"name": "launch", "N": N, "snaps": "arrives", "f0": 2000.0}
     required["shocks"] = make_shocks(*shapes.values())
     needs = [required, required | {"name": "set back", "snaps": "any"}]
     verdicts = check(replace(study, device=device), needs, [25.0], temperatures=degrees)
@@ -184,6 +184,7 @@ def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
 def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_in_front():
     shock = {"device": "", "C": 25.0, "must_survive": 0.999, "start": "first"}
     shock |= {"shape": "half sine", "direction": "-z", "temperature": -40.0}
+    shock |= {"end": "ends differ", "share_staying": 0.25}
     keys = "requirement", "margin", "margin_error", "verdict", "must_snap", "break_probability"
     rows = [
         ("drop", 0.8, 0.01, "met", True, 0.0),
@@ -196,7 +197,9 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     assert points == [[0.9, 0.0], [0.8, 1.0]]  # by slack, the failed first
     bars = [bar.get_segments()[0][:, 0].tolist() for bar in artists(ax, LineCollection)]
     assert bars == [pytest.approx([0.88, 0.92]), pytest.approx([0.79, 0.81])]
-    assert [text.xy[1] for text in ax.texts] == [0, 2]  # breaks; no threshold
+    notes = [(text.get_text().strip(), text.xy[1]) for text in ax.texts]
+    ends = "ends differ, 25 % of the runs stay"
+    assert notes == [("the beam breaks", 0), (ends, 1), ("snaps at no $N$ seen", 2)]
     verdicts.append(shelf | {"margin": 1.2, "verdict": "met"})
     verdicts.append(drop | {"requirement": "hit", "must_snap": "any", "margin": 1.1})
     ax = drawn(draw_margins, verdicts)

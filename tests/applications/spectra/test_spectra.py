@@ -105,7 +105,7 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
     both = check_spectra(study, [asked[0] | {"direction": "both"}], [25.0], [20.0], records=2)
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
-    assert both[0] == rows[0]
+    assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
 
 
 def test_ends_leave_out_what_fails():

@@ -27,7 +27,7 @@ is its contract, in which every name is optional:
     in_history(model, cells, settings)  attributes that it adds to the history of a cell
     in_statics(device, first, displacement, force)  attributes that it adds to statics; first:
                     w(L/2) at rest, um
-    in_datasheet(study, rows)   tables that it adds to a data sheet; rows: the worst verdicts
+    in_datasheet(study, rows)   tables that it adds to a data sheet; rows: verdicts, worst first
     cost(study)     core time of its job, s, if `check` should tell it
     quick           true if the job of the thresholds makes and draws its product as well, as a
                     job of its own would take longer to start than to run

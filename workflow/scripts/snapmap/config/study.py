@@ -47,6 +47,7 @@ class Config(Study):
     measured: lines on shapes of beams that were read from files, by device and path
     title: head of the data sheet
     written: sections of the devices by name, as the config has them
+    source: the whole config, as it was read
     units: units in which the config has the axes of device and C
     """
 
@@ -61,6 +62,7 @@ class Config(Study):
     measured: dict[tuple[str, str], str]
     title: str
     written: dict[str, Mapping]
+    source: Mapping
     units: Units
 
     @property
@@ -150,6 +152,7 @@ def load_config(document: Mapping) -> Config:
         },
         title=parts.title or "",
         written=document.get("devices") or {"device": document["device"]},
+        source=document,
         units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
     )
     for name, application in attached().items():

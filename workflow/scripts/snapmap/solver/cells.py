@@ -89,6 +89,10 @@ class Observations(NamedTuple):
     level: np.ndarray | None = None
     agreed: np.ndarray | None = None
 
+    def take(self, which: tuple | np.ndarray) -> "Observations":
+        """Take the observations of a run of some cells, by indices or a mask."""
+        return Observations(*(column[which] for column in self[:8]))
+
     def shaped(self, shape: tuple[int, ...]) -> "Observations":
         """Return the observations of runs in another shape."""
         return Observations(*(column.reshape(shape) for column in self[:8]))

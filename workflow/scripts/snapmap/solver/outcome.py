@@ -65,6 +65,15 @@ def ended_elsewhere(well_reproduced: np.ndarray, well_share: np.ndarray) -> np.n
     return (well_reproduced == 0) & ~(well_share < WHOLE_SWING)
 
 
+def side_at_end(observed: Observations, tolerance: float) -> np.ndarray:
+    """Return the side of the saddle on which runs end: 1 of the start, 2 the other.
+
+    It is 0 if the beam still swings over the saddle, or if the run has failed or ended before.
+    """
+    known = (observed.energy_error <= tolerance) & ~(observed.well_share < WHOLE_SWING)
+    return np.where(known, observed.well, 0)
+
+
 def shares(counts: Mapping[str, int]) -> dict[str, float]:
     """Return the shares of settled, open and failed cells among those that are not `absent`.
 

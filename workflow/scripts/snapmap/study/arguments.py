@@ -18,7 +18,7 @@ from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
 from ..solver.laws import compile_laws
 from ..solver.options import OPTIONS, ModelOptions
 from ..solver.settings import FIRST, STARTS, UNTIL
-from .study import ANY
+from .study import ANY, ARRIVES
 
 
 def _is_device(value):
@@ -117,8 +117,8 @@ Directions = Annotated[
 Direction = Annotated[str, word(*DIRECTIONS)]
 Refinement = Annotated[float, number("[1e-9, 0.01]", "", "1e-4")]
 _TRIPS = Argument(
-    'True, False, or "any"',
-    lambda value: is_flag(value) or (isinstance(value, str) and value == ANY),
+    'True, False, "arrives" or "any"',
+    lambda value: is_flag(value) or (isinstance(value, str) and value in (ANY, ARRIVES)),
     lambda value: value if isinstance(value, str) else bool(value),
 )
 _POSITIVE = number("(0, inf)")
@@ -126,7 +126,7 @@ _REQUIRED = {"name": of_type("a name", str), "N": _POSITIVE, "f0": _POSITIVE, "s
 Requirements = Annotated[
     Sequence[Mapping],
     Argument(
-        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, or "any")',
+        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, "arrives" or "any")',
         lambda value: is_list(value, _is_requirement),
         lambda value: [*map(_requirement, value)],
     ),

@@ -125,11 +125,27 @@ def hash_drawing(script: str | Path) -> dict[str, str]:
     return {"the code that draws": code_hash(*DRAWS, Path(script))}
 
 
+def config_hash(document: Mapping) -> str:
+    """Give 12 hex digits of the SHA-256 of a config's values, as sorted JSON."""
+    text = json.dumps(document, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+@cache
+def code_date() -> str:
+    """Give the day of the commit, such as `2026-11-28`; empty without git."""
+    return _git("log", "-1", "--format=%cs")
+
+
 def _commit():
+    return _git("describe", "--always", "--dirty=.dirty", "--abbrev=7")
+
+
+def _git(*words):
+    """Ask git about the clone; empty without git."""
     # With the folders named, git accepts another user's clone, and takes no folder around it.
     clone = _PACKAGE.parents[2]
-    command = ["git", f"--git-dir={clone}/.git", f"--work-tree={clone}"]
-    command += ["describe", "--always", "--dirty=.dirty", "--abbrev=7"]
+    command = ["git", f"--git-dir={clone}/.git", f"--work-tree={clone}", *words]
     try:
         run = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):

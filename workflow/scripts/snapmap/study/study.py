@@ -11,9 +11,10 @@ from .provenance import device_sections
 
 PUSH = ("pulse", "direction")
 """Arguments of `make_shocks`."""
-ANY = "any"
-"""Value of `snaps` of a required shock that may or may not snap the device."""
-SNAPS = {False: 0, True: 1, ANY: 2}
+ANY, ARRIVES = "any", "arrives"
+"""Values of `snaps` of a required shock that may or may not snap the device, and of one under which
+the beam must arrive at its other shape, but need not stay there."""
+SNAPS = {False: 0, True: 1, ANY: 2, ARRIVES: 3}
 """Codes of `snaps` in datasets."""
 THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
 """Settings on which a threshold depends."""

@@ -17,7 +17,7 @@ from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
-from ..solver.outcome import LATCHED, label
+from ..solver.outcome import LATCHED, label, side_at_end
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
 from ..study.study import ANY, Study, of_requirement
 from .cost import tell_cost
@@ -116,15 +116,23 @@ class Batch:
         return N_first, nominal, ragged
 
     def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
-        """Tell whether each sample meets a requirement in each row, (samples, rows)."""
+        """Tell whether each sample meets a requirement in each row, (samples, rows).
+
+        A sample that must trip is followed to the end, to see whether it stays.
+        """
         if required["snaps"] == ANY:
             return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)
-            t_snap = asker(self.model, self._rows(rows), settings)(levels[:, np.newaxis])
-            snaps[self.bistable] = np.isfinite(t_snap).reshape(self.size, -1)
-        return (snaps == required["snaps"]) & self.bistable[:, np.newaxis]
+            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)[:, np.newaxis]
+            every = self._rows(rows)
+            met = np.isfinite(asker(self.model, every, settings)(levels))
+            if required["snaps"] is True:
+                cells = every.cells(self.model.device, levels, settings.horizon)
+                runs = self.model.follow(cells.take(met), settings._replace(until="settled"))
+                met[met] = side_at_end(runs, settings.energy_tolerance) == 2
+            snaps[self.bistable] = met.reshape(self.size, -1)
+        return (snaps == bool(required["snaps"])) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
         """Count how many of the first samples latch, (rows, N)."""

@@ -17,9 +17,10 @@ def inputs(study):
 
 
 def params(study):
-    """Title, devices as the config has them, unit of C, and required shocks."""
-    written = {"title": study.title, "written": study.written, "C": study.units.get("C")}
-    return written | {"requirements": plain_shocks(study)}
+    """The hash of the config, which stands on the sheet, and required shocks."""
+    from ...study.provenance import config_hash
+
+    return {"config": config_hash(study.source), "requirements": plain_shocks(study)}
 
 
 def run(study, requirements_path, path, tolerance_path=""):
@@ -34,5 +35,6 @@ def run(study, requirements_path, path, tolerance_path=""):
     verdicts = read_verdicts(requirements_path)
     with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
         sheet = {"made": batches, "title": study.title, "damper": study.units.get("C", DAMPER)}
+        sheet |= {"source": study.source}
         devices, shocks = study.of_thresholds(), shocks_of(study)
         write_text(datasheet(devices, verdicts, study.written, shocks, **sheet), path)

@@ -11,17 +11,18 @@ from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.device import Beam
 from ...device.quantities import QUANTITIES, leaves, plain
+from ...device.samples import Tolerances
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
-from ...study.provenance import code_version
+from ...study.provenance import code_date, code_version, config_hash
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
 from .. import functions
-from ..histories.history import extremes_of
+from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
-from ..requirements.corners import at_corner, corner_text, corners, must_text
+from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
 from ..statics.statics import statics
 
 UNITS = {
@@ -32,6 +33,8 @@ UNITS = {
 }
 """Words and unit of each of `Extremes`."""
 DAMPER = QUANTITIES["C"].unit, 1.0
+OUTSIDE = "outside any package: not valid"
+"""Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 
 
@@ -43,6 +46,7 @@ def datasheet(
     made: xr.Dataset | None = None,
     title: str = "",
     damper: tuple[str, float] = DAMPER,
+    source: Mapping | None = None,
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
@@ -51,34 +55,39 @@ def datasheet(
     requirements: mappings of name, shocks, N and f0 (Hz) of the required shocks
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
+    source: the config, whose hash, axes and tolerances stand on the sheets; None for none
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
     of_C = f"C, {unit}"
-    head = ["requirement", "shock", "at, degC", of_C, "threshold", "of devices as made"]
-    head += ["margin", "verdict", "strength over stress", "breaks"]
+    head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
+    head += ["of devices as made", "margin", "the beam", "verdict"]
+    head += ["strength over stress", "breaks"]
     verdicts = [row | {"C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
         batch = made.sel(device=name) if made is not None and several else made
-        worst = [row for row, *_ in corners(of_device)]
+        rows = sorted(of_device, key=badness, reverse=True)
+        names = [*dict.fromkeys(row["requirement"] for row in rows)]
+        rows.sort(key=lambda row: names.index(row["requirement"]))
         heading = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
         facts = _device(study, device, written[name])
         sheets += [f"{heading}\n", table(["device", "value"], facts)]
-        at_rest = f"at rest at {plain(device.temperature)} degC, exact to the digits shown"
+        if source:
+            sheets += [table(["config", "value"], _of_config(source))]
+        at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
         level = f"{plain(device.gravity * 1e6)} m/s^2"
         level = f"{device.force:g} uN on the midpoint" if device.force else level
-        words = f"Thresholds in multiples of {level}, and over the required level"
-        words += "; of several shocks or temperatures the worst:\n"
-        sheets += [words, table(head, (_verdict(row, batch) for row in worst)), PICTURE]
+        words = f"Thresholds in multiples of {level}, and over the required level, worst first:\n"
+        sheets += [words, table(head, (_verdict(row, batch) for row in rows)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
         for add in functions("in_datasheet"):
-            sheets += add(study, worst)
+            sheets += add(study, rows)
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]
@@ -88,11 +97,30 @@ def datasheet(
 def _device(study, device, written):
     """Rows of code, model, support, and the values of the config."""
     options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
-    yield ["made by", f"snapmap {code_version()}"]
+    yield ["made by", ", of ".join(filter(None, [f"snapmap {code_version()}", code_date()]))]
     yield ["model", " ".join(filter(None, [study.model["name"], options]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
     for key, text in leaves(written):
         yield [key.replace(".", ": ").replace("_", " "), text]
+
+
+def _of_config(source):
+    """Rows of the config's hash, of its axes, and of what scatters, as it has them."""
+    yield ["SHA-256 of its values as sorted JSON", f"{config_hash(source)}..."]
+    for key, what in (("pulse", "pulse"), ("sweep", "sweep"), ("tolerances", "devices as made")):
+        for name, value in source.get(key, {}).items():
+            is_width = key == "tolerances" and name not in Tolerances._fields
+            kind = ", standard deviation" if is_width and not isinstance(value, Mapping) else ""
+            yield [f"{what}: {name.replace('_', ' ')}", _written(value) + kind]
+
+
+def _written(value):
+    """Write a value of a config in one line."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {_written(part)}" for key, part in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_written, value))
+    return str(value)
 
 
 def _statics(device, verdicts, damper):
@@ -111,11 +139,12 @@ def _statics(device, verdicts, damper):
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
     N = static_threshold(device)
-    yield ["slow shock that snaps it", f"above {N:.5g} for longer than a dwell time"]
+    yield ["slow shock that snaps it", f"above {N:.5g}; faster ones may snap it below"]
     for C in sorted({row["C"] for row in verdicts}):
         dwell = 2 / growth_rate(device, C * size)
-        text = f"{dwell:.4g} us" if np.isfinite(dwell) else "none: its law does not hold here"
-        yield [f"dwell time at C = {C:g} {unit}, of slow shocks to first order", text]
+        unknown = "not known: the law of slow shocks does not hold here"
+        text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
+        yield [f"time that a slow shock must last above it at C = {C:g} {unit}", text]
 
 
 def reset_force(beam: Beam) -> tuple[float, float]:
@@ -144,10 +173,15 @@ def _verdict(row, made):
         if share > 0:
             error = share / np.sqrt(2 * first.count().item())  # of normally distributed thresholds
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
-    threshold, margin = "nothing snaps", DASH
+    level, threshold, margin = LEVELS.get(row["shape"], ""), "nothing snaps", DASH
+    required = plain(row["N"], 5) + level
+    if np.isfinite(row["scale"]):
+        required += f" ({plain(row['scale'])} of the record)"
     if np.isfinite(row["N_first"]):
         threshold = f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}"
-        threshold += LEVELS.get(row["shape"], "")
+        threshold += level
+        if np.isfinite(row["scale_first"]):
+            threshold += f" ({plain(row['scale_first'])} of the record)"
         margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
     breaks = [DASH, DASH]
     if np.isfinite(row["strength_margin"]):
@@ -158,10 +192,12 @@ def _verdict(row, made):
         shock,
         plain(row["temperature"]),
         f"{row['C']:g}",
+        required,
         threshold,
         spread,
         margin,
-        row["verdict"],
+        end_text(row),
+        row["verdict"] + (f"; {OUTSIDE}" if row.get("travel_over_rise", 0) > FARTHEST else ""),
         *breaks,
     ]
 
@@ -174,6 +210,8 @@ def _largest(study, requirements, verdicts, size):
     """
     by_name = {required["name"]: required for required in requirements}
     shocks = [row for row in verdicts if row["requirement"] in by_name]
+    stops = {"toward_max": study.device.stop_toward, "away_max": study.device.stop_away}
+    free = [key for key, stop in stops.items() if np.isinf(stop)]
     for key, (words, unit) in UNITS.items():
         if not np.isfinite([row[key] for row in shocks]).any():
             continue
@@ -183,7 +221,9 @@ def _largest(study, requirements, verdicts, size):
         again = extremes_of(under, shock["N"], shock["f0"], worst["C"] * size, step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, {corner_text(worst)}"
-        yield [words, f"{plain(value)} {unit}", f"{plain(abs(value - other), 1)} {unit}", where]
+        is_outside = key in free and value > FARTHEST * study.device.beam.height
+        text = f"{plain(value)} {unit}" + (f"; {OUTSIDE}" if is_outside else "")
+        yield [words, text, f"{plain(abs(value - other), 1)} {unit}", where]
 
 
 def _shares(made):

@@ -7,7 +7,7 @@ import numpy as np
 from ...config.keys import quantity
 from ...config.shocks import PulseSection
 from ...solver.settings import SECOND
-from ...study.study import Study
+from ...study.study import ARRIVES, Study
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import RequiredShock
 from ..requirements.sections import ShockSection
@@ -35,7 +35,10 @@ class RequiredClosing(RequiredShock):
 
 
 class ClosingSection(ShockSection):
-    """A shock under which the device must close its electrode."""
+    """A shock under which the device must close its electrode.
+
+    `snaps: true` counts as `arrives`.
+    """
 
     kind = RequiredClosing
     closes_within: quantity(
@@ -55,6 +58,8 @@ class ClosingSection(ShockSection):
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
         """Make the requirement of a study, as for any shock, with its DEMANDS."""
         required = super().under(pulse, gravity)
+        if self.snaps is True:  # DEMANDS say how long it must stay
+            required.values["snaps"] = ARRIVES
         required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
         return required
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from ...beam.modal import contact_stiffness
 from ...beam.stress import stress_of
-from ...device.device import Device, Value
+from ...device.device import Device
 from ...device.quantities import plain
 from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
@@ -40,7 +40,8 @@ CURE = "write a higher f0 or a shorter horizon"
 
 # ASSUME: a device has room for its mass to travel a few rises; a snap moves it by two rises.
 FARTHEST = 5.0
-"""Travel of a mass without stops from rest, over the rise of the beam, above which a run warns."""
+"""Travel of a mass without stops from rest, over the rise of the beam, above which a result is not
+valid, and warned of."""
 
 
 class HistoryOptions(AutoOptions, total=False):
@@ -89,6 +90,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
+    warn_of_travel(free_travel(device, *extremes[:2]))
     document = {
         **device_sections(device),
         **study.shocks.section(),
@@ -199,7 +201,6 @@ def _record(built, cells, settings, samples):
         kept.append({key: column[-done % stride :: stride] for key, column in values.items()})
         done += motion.time.size
     extremes = Extremes(*largest.tolist(), float(to_snap))
-    warn_of_travel(device, -extremes.toward_max, extremes.away_max)
     values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
     shaken = amplitude * shock.at(per_us * values["time"])
     if device.force:
@@ -273,19 +274,18 @@ def _observe(device, first, form, stress, motion, laws):
     return values | {key: values[key] + math.nan for key in unknown}
 
 
-def warn_of_travel(device: Device, lowest: Value, highest: Value) -> None:
-    """Warn, in one line, if a mass travels beyond FARTHEST rises on a side without a stop.
+def free_travel(device: Device, toward_max: float, away_max: float) -> float:
+    """Return the travel of a mass on the sides without a stop, um, over the rise of the beam."""
+    toward = toward_max if np.isinf(device.stop_toward) else 0.0
+    away = away_max if np.isinf(device.stop_away) else 0.0
+    return float(max(toward, away) / device.beam.height)
 
-    device: one, or one for each run; lowest, highest: displacement of the mass from rest, um
-    """
-    toward = np.where(np.isinf(device.stop_toward), -np.asarray(lowest), 0.0)
-    away = np.where(np.isinf(device.stop_away), highest, 0.0)
-    travel = np.fmax(toward, away)
-    beyond = np.atleast_1d(travel / device.beam.height > FARTHEST)
-    if beyond.any():
-        runs = f" in {beyond.sum()} of {beyond.size} runs" if beyond.size > 1 else ""
+
+def warn_of_travel(rises: float, where: str = "") -> None:
+    """Warn, in one line, if the largest `free_travel` is beyond FARTHEST; where: in which runs."""
+    if rises > FARTHEST:
         warnings.warn(
-            f"the mass travels up to {plain(np.nanmax(travel))} um from rest{runs}, more than "
-            f"{FARTHEST:g} times the rise; if the frame is nearer, write device.stops",
+            f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
+            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stops",
             stacklevel=3,
         )

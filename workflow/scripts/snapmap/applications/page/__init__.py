@@ -1,12 +1,15 @@
-"""The page to explore a study in a browser.  Imports: core alone."""
+"""The page to explore a study in a browser.  Imports: requirements."""
 
 part = "4 Page"
 saved_in, endings = "results", ("html",)
 
 
 def drawn_from(study):
-    """Cube and thresholds."""
-    return {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+    """Cube and thresholds, and the verdicts on required shocks."""
+    from .. import requirements
+
+    cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+    return cells | requirements.outputs(study)
 
 
 def figures(study):
@@ -24,12 +27,15 @@ def figures(study):
     return {"explore": {"horizon": study.settings.horizon, **shown}}
 
 
-def draw(figures, folder, cube_path, threshold_path):
+def draw(figures, folder, cube_path, threshold_path, requirements_path=""):
     """Write the page."""
     from ...files.atomic import write_text
     from ...study.netcdf import open_whole
+    from ..requirements.corners import read_verdicts
     from .figure import page  # brings Plotly
 
     with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
+        verdicts = read_verdicts(requirements_path) if requirements_path else ()
         for name, arguments in figures.items():
-            write_text(page(cube, thresholds, **arguments), f"{folder}/{name}.html")
+            text = page(cube, thresholds, **arguments, verdicts=verdicts)
+            write_text(text, f"{folder}/{name}.html")

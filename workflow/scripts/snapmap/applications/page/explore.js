@@ -202,15 +202,15 @@ function drawMap() {
 function drawRequired() {
   const has = axes[X].name === "f0" && axes[Y].name === "N" && !axes[X].ticked && !axes[Y].ticked;
   const { shape, direction } = pulseAt();
-  const shown = study.required.flatMap(([name, f0, N, pushed], n) =>
-    (has && pushed.some(([kind, way]) => kind === shape && way === direction) ? [{ name, f0, N, text: String(n + 1) }] : []));
+  const shown = study.required.flatMap(([name, f0, N, pushed, verdict], n) =>
+    (has && pushed.some(([kind, way]) => kind === shape && way === direction) ? [{ name, f0, N, verdict, text: String(n + 1) }] : []));
   const within = (n, value) => Math.min(Math.max(value, axes[n].edges[0]), axes[n].edges.at(-1));
   const [x, y] = [shown.map(({ f0 }) => within(X, f0)), shown.map(({ N }) => within(Y, N))];
   Plotly.restyle(map, { x: [x], y: [y], text: [shown.map(({ text }) => text)] }, [REQUIRED]);
   const row = document.getElementById("classes");
-  row.insertAdjacentHTML("beforeend", shown.map(({ name, f0, N, text }, n) => {
+  row.insertAdjacentHTML("beforeend", shown.map(({ name, f0, N, verdict, text }, n) => {
     const beyond = x[n] === f0 && y[n] === N ? "" : " (beyond the map)";
-    return `<li>${text}: required shock ${name}, N = ${round(N)}, ${round(f0)} Hz${beyond}</li>`;
+    return `<li>${text}: required shock ${name}, N = ${round(N)}, ${round(f0)} Hz${beyond}${verdict && `; ${verdict}`}</li>`;
   }).join(""));
 }
 

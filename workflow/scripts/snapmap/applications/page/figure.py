@@ -26,6 +26,7 @@ from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
+from ..requirements.corners import badness, corner_text, end_text
 from .forms import LIMITS, NUMBERS, forms, pulses
 
 HERE = Path(__file__).parent
@@ -65,6 +66,7 @@ def page(
     title: str = "",
     pulse: Mapping | None = None,
     required: Sequence[tuple[str, float, float, Sequence[tuple[str, str]]]] = (),
+    verdicts: Sequence[Mapping] = (),
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
@@ -72,6 +74,7 @@ def page(
     horizon: time followed after the pulse, us
     title: of the study; pulse: its section, as in `Config`; None for the handout's
     required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
+    verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
     """
     cells, document = thin(cube), json.loads(cube.attrs["config"])
     dims = cells.outcome.dims
@@ -97,7 +100,10 @@ def page(
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
         "whole": WHOLE_SWING,
-        "required": [(html.escape(name), *place) for name, *place in required],
+        "required": [
+            (html.escape(name), *place, html.escape(_worst(name, verdicts)))
+            for name, *place in required
+        ],
         "unfollowed": OF_LAWS if has_laws else TOO_LONG,
         "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
         **_simulation(cells, {name: read_device(device) for name, device in named.items()}, pulse),
@@ -120,6 +126,16 @@ def page(
         guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
         version=html.escape(cube.attrs["code_version"]),
     )
+
+
+def _worst(name, verdicts):
+    """Write the worst verdict on a required shock, and how the beam ends there; "" without one."""
+    rows = [row for row in verdicts if row["requirement"] == name]
+    if not rows:
+        return ""
+    row = max(rows, key=badness)
+    where = ", ".join(filter(None, [row["device"], corner_text(row)]))
+    return f"{row['verdict']}: {end_text(row)}, at worst ({where})"
 
 
 def _simulation(cells, devices, pulse):

@@ -10,13 +10,25 @@ import numpy as np
 from ...beam.stress import break_probability
 from ...device.device import Device
 from ...device.quantities import plain
-from ...solver.adaptive import choose_model
-from ...solver.outcome import FAILED, OUTCOMES, label
+from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
-from ...study.axes import rows_of
 from ...study.study import ANY, Study, of_requirement
 from ...thresholds.surface import first_snaps
-from .corners import MET, UNCLEAR, VIOLATED, Verdict, beyond, corner_text
+from ..histories.near import NEAR, follow_near
+from .corners import (
+    DIFFERS,
+    MET,
+    NO_ARRIVAL,
+    OPEN,
+    RETURNS,
+    STAYS,
+    UNCLEAR,
+    VIOLATED,
+    Verdict,
+    beyond,
+    corner_text,
+    end_text,
+)
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of the thresholds of vibration and of spectra, by the shape of a verdict."""
@@ -79,19 +91,24 @@ def _verdicts(study, name, required, C, tolerance):
     N, f0, settings = required["N"], required["f0"], study.settings
     axes, must = {"C": C, "f0": [f0]}, required["snaps"]
     thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
-    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
-    model = choose_model(grid.device, study.model, settings.start)
-    observed = model.follow(cells, settings)
-    outcomes = label(*observed[:4], settings.energy_tolerance)[:, 0]
+    near = NEAR if must not in (False, ANY) else np.ones(1)
+    runs = follow_near(study, grid, N * near)
+    own = runs[0].take((slice(None), near.size // 2))
+    outcomes, arrives = label(*own[:4], settings.energy_tolerance), np.isfinite(own.t_snap)
+    ends = zip(*_ends(runs, settings.energy_tolerance), strict=True)
     columns = {key: thresholds[key].values.ravel() for key in SEARCHED}
-    for i, (shocks, damping) in enumerate(product(study.shocks.each(), C)):
+    corners = product(study.shocks.each(), C)
+    for i, ((shocks, damping), (end, share)) in enumerate(zip(corners, ends, strict=True)):
         row = {key: column[i].item() for key, column in columns.items()}
         first, error = row["N_first"], row["N_error"]
         over = study.device.gravity / shocks.pulse.peak
         is_close = must != ANY and _is_close(**row, N=N)
         verdict = UNCLEAR if outcomes[i] == FAILED or is_close else MET
-        if verdict == MET and must not in (ANY, bool(np.isfinite(observed.t_snap[i, 0]))):
+        end = end if arrives[i] else NO_ARRIVAL
+        if verdict == MET and must != ANY and bool(must) != arrives[i]:
             verdict = VIOLATED
+        elif verdict == MET and must is True:
+            verdict = {STAYS: MET, RETURNS: VIOLATED}.get(end, UNCLEAR)
         yield Verdict(
             requirement=required["name"],
             device=name,
@@ -112,7 +129,25 @@ def _verdicts(study, name, required, C, tolerance):
             scale=N * over,
             scale_first=first * over,
             start=settings.start,
+            end=end,
+            share_staying=share,
         )
+
+
+def _ends(runs, tolerance):
+    """Compare runs, each (rows, n): how those of each row end that arrive, and which share stays.
+
+    RETURNS if none stays, though some may still swing.
+    """
+    sides = np.stack([side_at_end(run, tolerance) for run in runs], axis=1)
+    arrive = np.stack([np.isfinite(run.t_snap) for run in runs], axis=1)
+    ends, shares = [], []
+    for side, which in zip(sides, arrive, strict=True):
+        stays = side[which] == 2
+        gone = RETURNS if (side[which] == 1).any() else OPEN
+        ends.append((STAYS if stays.all() else DIFFERS) if stays.any() else gone)
+        shares.append(float(stays.mean()) if stays.size else np.nan)
+    return ends, shares
 
 
 def judge(
@@ -157,6 +192,17 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
     lead = "" if unit else "N = "
     first, N = (f"{lead}{plain(N)}{unit}" for N in (furthest.N_first, furthest.N))
     return furthest, f"{words}trips at {first}, {need} at {N}"
+
+
+def restless(verdicts: Sequence[Verdict]) -> str:
+    """Write which shocks must make the beam stay, but do not surely; the worst corner of each."""
+    wrong = [v for v in verdicts if v.must_snap is True and v.end in (RETURNS, DIFFERS, OPEN)]
+    lines = {}
+    for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
+        row = verdict._asdict()
+        where = f"{verdict.requirement}, {corner_text(row)}, N = {plain(verdict.N)}"
+        lines.setdefault(verdict.requirement, f"{where}: {end_text(row)}")
+    return "; ".join(lines.values())
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:

@@ -10,7 +10,8 @@ from matplotlib.patches import Patch
 from ...figures import style
 from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
-from .corners import badness, corners, must_text
+from ...study.study import ARRIVES
+from .corners import badness, corners, end_text, must_text
 
 VERDICTS = {
     "met": {"color": "C0", "marker": "o"},
@@ -29,8 +30,9 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
 
     verdicts: rows of requirements.csv
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
-    label show its worst corner; dots show the others. The shade shows where the requirement is
-    met: above 1 if the shock must not trip, below 1 if it must.
+    label show its worst corner, and where it must trip how the beam ends; dots show the others.
+    The shade shows where the threshold should be: above 1 if the shock must not trip, below 1 if it
+    must.
     """
     groups = sorted(corners(verdicts), key=lambda group: badness(group[0]), reverse=True)
     known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
@@ -39,7 +41,8 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     for place, (row, *others) in enumerate(groups):
         margin, note = row["margin"], {"va": "center", "fontsize": 6}
         either_way = (low, high if row["verdict"] == "met" else low)
-        ends = {True: (low, 1), False: (1, high)}.get(row["must_snap"], either_way)
+        sides = {True: (low, 1), ARRIVES: (low, 1), False: (1, high)}
+        ends = sides.get(row["must_snap"], either_way)
         ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
         margins = [other["margin"] for other in others]
         ax.plot(margins, [place] * len(others), **OTHER)
@@ -47,9 +50,17 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
             ax.errorbar(margin, place, xerr=row["margin_error"], **VERDICTS[row["verdict"]])
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
+        words = [end_text(row)] if row["must_snap"] in (True, ARRIVES) else []
         if row["break_probability"] > 1 - row["must_survive"]:
-            beside = np.fmax.reduce([low, margin, *margins])
-            ax.annotate("   the beam breaks", (beside, place), **note)
+            words.append("the beam breaks")
+        first, last = (
+            np.fmin.reduce([high, margin, *margins]),
+            np.fmax.reduce([low, margin, *margins]),
+        )
+        is_right = high / last >= first / low
+        beside, side = (last, "left") if is_right else (first, "right")
+        if words:
+            ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
@@ -60,7 +71,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
-    style.legend(ax, [*keys, Patch(**MET, label="where the requirement is met")])
+    style.legend(ax, [*keys, Patch(**MET, label="where the threshold should be")])
     return ax
 
 

@@ -44,7 +44,7 @@ class RequiredShock:
 
     def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
         """Judge by threshold and strength; the further columns are extremes and survival."""
-        from ..histories.history import observed_of
+        from ..histories.history import free_travel, observed_of
         from .check import check, judge
 
         required, judged = self.values, []
@@ -52,6 +52,8 @@ class RequiredShock:
         for verdict in check(study, [required], C, *how):
             shaken = at_corner(study, required, verdict._asdict())
             columns = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            moved = columns["toward_max"], columns["away_max"]
+            columns["travel_over_rise"] = free_travel(shaken.device, *moved)
             stress, must_survive = columns["stress_max"], required["survives"]
             verdict, survival = judge(verdict, shaken.device, stress, must_survive)
             judged.append((verdict, columns | survival._asdict()))

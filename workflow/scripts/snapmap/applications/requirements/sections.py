@@ -18,7 +18,7 @@ from ...config.views import frequency_of
 from ...device.argument import Argument
 from ...files.text import is_title, show
 from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.study import ANY, Study
+from ...study.study import ANY, ARRIVES, Study
 from .required import Required, RequiredShock
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
@@ -28,11 +28,18 @@ NAME = argument(
 )
 
 
+SNAPS = {
+    ARRIVES: "it must arrive at its other shape, if only for a moment",
+    ANY: "either is right",
+}
+"""What the words of `snaps` mean."""
+
+
 def snaps(*words: str) -> object:
     """Make the key that tells whether a device must trip: true, false, or one of the words."""
-    need, what = "true or false", "whether the device must trip"
-    if words:
-        need, what = "true, false or any", f"{what}; `any`: either is right"
+    need = " or ".join([", ".join(["true", "false", *words[:-1]]), words[-1]])
+    meanings = [f"`{word}`: {SNAPS[word]}" for word in words]
+    what = "; ".join(["whether the device must trip and stay tripped", *meanings])
     fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
     return argument(fits, what)
 
@@ -51,7 +58,7 @@ class ShockSection(PulseSection):
     kind: ClassVar = RequiredShock
     name: NAME
     N: quantity("number", "peak of the shock over gravity", out="required, but of a drop")
-    snaps: snaps(ANY)
+    snaps: snaps(ARRIVES, ANY)
     survives: key(
         _survival,
         "true, false or a share: whether, or how probably, the beam must not break",

@@ -9,9 +9,9 @@ from math import nan
 from ...files.atomic import replacing
 from ...study.study import Study
 from ..design.design import remedy, with_value
-from ..histories.history import Extremes
-from .check import Survival, summary, worst
-from .corners import VIOLATED, Verdict, at_corner, beyond
+from ..histories.history import FARTHEST, Extremes, warn_of_travel
+from .check import Survival, restless, summary, worst
+from .corners import MET, VIOLATED, Verdict, at_corner, beyond
 from .required import Required
 
 
@@ -42,11 +42,12 @@ def hint(
             judged = [pair for required in shocks for pair in required.check(changed, dampings)]
         except ValueError:  # it has no second shape at one of the temperatures
             continue
-        violated = [verdict for verdict, _ in judged if verdict.verdict == VIOLATED]
-        failing = [(verdict.requirement, verdict.C) for verdict in violated]
-        # It may still fail at another corner, or by its other demands.
-        if (wrong.requirement, wrong.C) in failing:
+        missed = [verdict for verdict, _ in judged if verdict.verdict != MET]
+        # It may still be missed at another corner, or by its other demands.
+        if (wrong.requirement, wrong.C) in [(verdict.requirement, verdict.C) for verdict in missed]:
             continue
+        violated = [verdict for verdict in missed if verdict.verdict == VIOLATED]
+        failing = [(verdict.requirement, verdict.C) for verdict in violated]
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
@@ -62,7 +63,7 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
     judged = [pair for required in requirements for pair in required.check(study, C)]
     verdicts = [verdict for verdict, _ in judged]
     wrong, words = worst(verdicts)
-    lines = [summary(verdicts), words]
+    lines = [summary(verdicts), restless(verdicts), words]
     breaks = dict.fromkeys(
         verdict.requirement
         for verdict, beside in judged
@@ -79,4 +80,16 @@ def write_verdicts(study: Study, requirements: Sequence[Required], path: str) ->
         rows.writeheader()
         for verdict, beside in judged:
             rows.writerow(verdict._asdict() | beside)
+    _warn_of_travel(judged)
     print(f"{path}: {'; '.join(filter(None, lines))}")
+
+
+def _warn_of_travel(judged):
+    """Warn once, by their names, of the requirements in which the mass travels too far."""
+    rises = [
+        (beside.get("travel_over_rise", 0.0), verdict.requirement) for verdict, beside in judged
+    ]
+    far = [pair for pair in rises if pair[0] > FARTHEST]
+    if far:
+        names = ", ".join(dict.fromkeys(name for _, name in far))
+        warn_of_travel(max(far)[0], f" in {len(far)} of {len(rises)} rows, of {names}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...config.keys import Section, key, many, quantity, word
 from ...config.shocks import PUSHED, PUSHES, PulseSection
 from ...config.units import read, show
-from ...study.study import Study
+from ...study.study import ARRIVES, Study
 from ..requirements.sections import NAME, snaps
 from .psd import REACH, Spectrum
 from .srs import check_points
@@ -60,10 +60,10 @@ def _points(name, unit, such, what, example):
 
 
 class VibrationSection(Section):
-    """Random vibration that must, or must not, trip the device."""
+    """Random vibration that must, or must not, trip the device; `true` counts as `arrives`."""
 
     name: NAME
-    snaps: snaps()
+    snaps: snaps(ARRIVES)
     psd: _points(
         name="density",
         unit="g^2/Hz",
@@ -96,10 +96,10 @@ class VibrationSection(Section):
 
 
 class SpectrumSection(Section):
-    """A shock response spectrum that must, or must not, trip the device."""
+    """A shock response spectrum that must, or must not, trip it; `true` counts as `arrives`."""
 
     name: NAME
-    snaps: snaps()
+    snaps: snaps(ARRIVES)
     srs: _points(
         name="level",
         unit="g",

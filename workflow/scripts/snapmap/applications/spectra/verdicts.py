@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...pulse.shocks import make_shocks
-from ...study.study import Study
+from ...study.study import ARRIVES, Study
 from ..requirements.check import each_device
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from .psd import Spectrum
@@ -84,14 +84,15 @@ def _of_spectrum(study, required, name, C, drawn):
 
 def _verdict(required, place, snapped, low, high, level, error):
     """Make a verdict; place: its fields of shock and corner; low, high: bounds of its level."""
-    N, must, verdict = place["N"], required["snaps"], UNCLEAR
+    # ASSUME: a beam need only arrive, as vibration has no end after which it could stay.
+    N, must, verdict = place["N"], bool(required["snaps"]), UNCLEAR
     if low > N or high < N:
         verdict = MET if (high < N) == must else VIOLATED
     return Verdict(
         **place,
         requirement=required["name"],
         f0=np.nan,
-        must_snap=must,
+        must_snap=must and ARRIVES,
         outcome="snapped" if snapped else "unsnapped",
         N_first=level,
         N_error=error,

@@ -18,7 +18,15 @@ from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
 from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
-from ...study.study import SNAPS, THRESHOLD_SETTINGS, Study, of_requirement, study_of, with_shocks
+from ...study.study import (
+    ARRIVES,
+    SNAPS,
+    THRESHOLD_SETTINGS,
+    Study,
+    of_requirement,
+    study_of,
+    with_shocks,
+)
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from .sensitivity import crossed, indices
@@ -212,7 +220,7 @@ def _requirements(batches, study, requirements, C, tolerance):
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
             met.append(batch.meets(required, rows, settings))
         # NaN, where nothing snaps, is above every N.
-        worst = np.maximum if SNAPS[required["snaps"]] == SNAPS[True] else np.fmin
+        worst = np.maximum if required["snaps"] in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))
         meets.append(np.all(met, axis=0))
     meets, along = np.array(meets), ("requirement", "C")

@@ -41,7 +41,7 @@ NAME = 24
 """Characters in a line of a requirement's name beside its shares."""
 ROOM = 0.05
 """Margin of an axis over the range of its data."""
-FAILS = {"color": "0.9", "linewidth": 0, "label": "the requirement fails"}
+FAILS = {"color": "0.9", "linewidth": 0, "label": "threshold on the wrong side"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
 """Most panels side by side, panels in a figure, and lines; of more, some are evenly chosen."""
 ROW, FLAT = 2.6, 1.7

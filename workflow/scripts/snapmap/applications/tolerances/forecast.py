@@ -38,6 +38,10 @@ def made_seconds(
             shock = to_rows(0, required["f0"], axes["C"], 0, required["shocks"].pulses)
             settings = of_requirement(study, required).settings
             seconds += _of_rows(model, shock, settings, tolerances.samples)
+            if required["snaps"] is True:
+                cells = shock.cells(model.device, required["N"], settings.horizon)
+                _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
+                seconds += tolerances.samples * float(to_end.sum())
     return seconds
 
 

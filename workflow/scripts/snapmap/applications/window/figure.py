@@ -15,6 +15,7 @@ from ...figures.curves import LOOKS
 from ...figures.scales import NONE, axis_label, number, place_text, tick
 from ...numerics.statistics import percents
 from ...study.axes import Units
+from ...study.study import ARRIVES, SNAPS
 from ..requirements.figure import required_text
 from .between import FAR, between, least_reserve, reserves_between
 
@@ -107,7 +108,8 @@ def _window_keys(data, reserve, least):
     for field, must, (colour, _) in zip(reserve, data.must_snap, looks, strict=False):
         low, high = _ends(field)
         if low < 1 < high:
-            label = required_text(must.requirement.item(), must.item())
+            arrives = SNAPS[ARRIVES] if must else SNAPS[False]  # lines are of thresholds
+            label = required_text(must.requirement.item(), arrives)
             yield Line2D([], [], color=colour, path_effects=BEGINS_TO_FAIL, label=label)
     if (known >= 1).any():
         yield Patch(**MEETING)

@@ -1,0 +1,128 @@
+"""How the beam ends after a shock that must trip it: a switch that comes back meets nothing."""
+
+import re
+
+import numpy as np
+import pytest
+import yaml
+from small_studies import THREE_COSINES
+from varied import varied
+
+import snapmap
+from snapmap.applications.histories.near import NEAR
+from snapmap.applications.page.figure import _worst
+from snapmap.applications.requirements import shocks_of
+from snapmap.applications.requirements.check import check
+from snapmap.applications.requirements.corners import read_verdicts
+from snapmap.applications.requirements.verdicts import write_verdicts
+from snapmap.config.study import load_config
+from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.adaptive import choose_model
+from snapmap.solver.outcome import side_at_end
+from snapmap.solver.settings import Settings
+from snapmap.study.axes import rows_of
+from snapmap.study.study import Study
+
+F0, C, HORIZON = 8000.0, 25.0, 4000.0
+ENDS = {0.03: "stays", 2e-3: "ends differ", 1e-4: "arrives and returns"}
+"""How the beam of such damping, 1/us, ends at twice its threshold."""
+VERDICTS = {"stays": "met", "ends differ": "unclear", "arrives and returns": "failed"}
+
+
+def stiff(handout, damping):
+    """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
+    device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
+    model = {"name": "cosines", "modes": 3}
+    return Study(device=device, model=model, settings=Settings(horizon=HORIZON))
+
+
+def judged(study, *levels, f0=F0, snaps=True):
+    """The verdicts on half sines of so many N."""
+    shock = {"f0": f0, "snaps": snaps, "shocks": make_shocks("half sine")}
+    return check(study, [shock | {"name": f"{N:g}", "N": N} for N in levels], [C], 1e-3)
+
+
+@pytest.mark.parametrize("damping", ENDS)
+def test_a_beam_that_must_trip_must_stay(handout, damping):
+    """The ends are those of a sweep over the same N, in both of its steps."""
+    study, N = stiff(handout, damping), 2320.0
+    (verdict,) = judged(study, N)
+    near = {"f0": [F0], "C": [C], "pulse": "half sine", "horizon": HORIZON}
+    cube = snapmap.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
+    assert cube.t_snap.notnull().all() and verdict.N_first < 0.55 * N
+    stay = (cube.well == 2).values
+    again = np.where(cube.well_reproduced == 1, stay, ~stay)
+    assert verdict.share_staying == pytest.approx(np.mean([stay, again]))
+    assert verdict.end == ENDS[damping] and verdict.verdict == VERDICTS[verdict.end]
+    others = [judged(study, N, snaps=snaps)[0].verdict for snaps in ("arrives", False)]
+    assert others == ["met", "failed"]
+
+
+def test_just_above_its_threshold_a_damped_beam_meets_it_whatever_lies_below(handout):
+    """Runs near N that do not arrive, being below the threshold, say nothing of the end."""
+    study = stiff(handout, 0.03)
+    first = judged(study, 2320.0)[0].N_first
+    above, below = judged(study, 1.004 * first, 0.97 * first)
+    assert (above.verdict, above.end, above.share_staying) == ("met", "stays", 1.0)
+    assert (below.verdict, below.end) == ("failed", "does not arrive")
+
+
+def test_no_shock_is_met_that_ends_elsewhere_in_finer_steps(handout):
+    """A lightly damped beam over many N: some are met, and stay; of the others some return."""
+    study, levels, f0 = stiff(handout, 2e-3), np.linspace(1450.0, 4500.0, 40), 2000.0
+    met = np.array([verdict.verdict == "met" for verdict in judged(study, *levels, f0=f0)])
+    grid, stays = study.set_out({"C": [C], "f0": [f0]}), []
+    rows = rows_of(grid)._replace(pulses=make_shocks("half sine").pulses)
+    cells = rows.cells(grid.device, levels, HORIZON).flat()
+    for step in (0.6, 0.35, 0.25):
+        model = choose_model(grid.device, study.model).with_step(step)
+        stays.append(side_at_end(model.follow(cells, study.settings), 1e-3) == 2)
+    assert 20 < met.sum() < 40 and np.all(stays, axis=0)[met].all()
+    assert not np.all(stays, axis=0)[~met].all()
+
+
+def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
+    """A mass on a weak damper comes back, and strikes it down again; a strong damper holds it."""
+    study = Study(device=varied(handout, damping=0.03), model={"name": "cosines", "modes": 3})
+    shock = {"name": "reset", "f0": 2000.0, "snaps": True, "start": "second", "N": 60_000.0}
+    shock["shocks"] = make_shocks("half sine", "-z")
+    light, damped = check(study, [shock], [25.0, 3000.0], 1e-3)
+    assert (light.end, light.verdict) == ("arrives and returns", "failed")
+    assert (damped.end, damped.verdict) == ("stays", "met")
+
+
+def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
+    document = yaml.safe_load(THREE_COSINES)
+    document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
+    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"], "horizon": "4 ms"}
+    crash = {"shape": "half sine", "direction": "both", "N": 2320, "f0": "8 kHz", "snaps": True}
+    document["requirements"] = [
+        crash | {"name": "crash"},
+        crash | {"name": "contact", "direction": "+z", "snaps": "arrives"},
+        crash | {"name": "hit", "N": 40_000, "direction": "-z", "snaps": "arrives"},
+    ]
+    study, path = load_config(document), tmp_path / "requirements.csv"
+    with pytest.warns(UserWarning, match="the mass travels") as warned:
+        write_verdicts(study, study.requests["requirements"], str(path))
+    (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]
+    rows = read_verdicts(path)
+    far = [row["requirement"] for row in rows if row["travel_over_rise"] > 5]
+    assert far and f" in {len(far)} of {len(rows)} rows, of {', '.join(dict.fromkeys(far))}" in line
+    words = capsys.readouterr().out
+    assert "failed: crash" in words and "arrives and returns" in words
+    assert {row["must_snap"] for row in rows} == {True, "arrives"}
+    least = min(row["share_staying"] for row in rows if row["requirement"] == "crash")
+    assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
+    assert least == 0.0 and _worst("no such", rows) == ""
+
+
+def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
+    document = yaml.safe_load(THREE_COSINES)
+    document["device"]["contact_at"] = "-5 um"
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "1 ms"}
+    crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
+    document["requirements"] = [
+        crash | {"name": "closes", "closes_within": "1 ms"},
+        crash | {"name": "trips"},
+    ]
+    assert [shock["snaps"] for shock in shocks_of(load_config(document))] == ["arrives", True]
