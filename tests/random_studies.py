@@ -29,6 +29,7 @@ AXES = {
     "residual_stress": (-2, 2, "MPa"),
 }
 """Values of the device that become axes, each between two ends."""
+KINDS = *["switch"] * 3, *["electrode"] * 2, "free", "stops", "alone", "pushed"
 OF_MASS = "mass", "spring", "gap", "contact"
 
 
@@ -39,7 +40,7 @@ def random_study(seed):
     """
     draws = random.Random(seed)
     while True:
-        text = yaml.safe_dump(_Drawn(draws).document(), sort_keys=False, default_flow_style=None)
+        text = yaml.safe_dump(Drawn(draws).document(), sort_keys=False, default_flow_style=None)
         try:
             if _seconds(load_config(yaml.safe_load(text))) <= MOST_SECONDS:
                 return text
@@ -52,12 +53,12 @@ def _seconds(study):
     return 3 * make_plan(*asked).seconds + sum(_costs(study).values())
 
 
-class _Drawn:
+class Drawn:
     """The sections of a config, drawn in turn."""
 
     def __init__(self, draws):
         self.draws = draws
-        self.kind = draws.choice(["switch"] * 3 + ["free", "stops", "electrode", "alone", "pushed"])
+        self.kind = draws.choice(KINDS)
         self.has_mass = self.kind not in ("alone", "pushed")
         self.scale = {"alone": 60, "pushed": 0.1}.get(self.kind, 1)
 

@@ -17,6 +17,8 @@ ELSEWHERE = {
     "test_every_figure_is_there": [
         "snakemake --cores 2",
         "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2",
+    ],
+    "test_an_example_runs_whole": [
         "snakemake --cores 2 --configfile sensor.yaml",
         "snakemake --cores 2 --configfile config/handout.yaml",
         "snakemake --directory build/tutorial --configfile config/sensor.yaml --cores 2",

@@ -248,6 +248,7 @@ OF_SWEEPS = (
     ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
     *(("histories", {"histories": {}}), ("histories[0]", {"histories": [3]})),
     ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
+    ("histories[1]", {"histories": [{"N": 1, "f0": "1 Hz", "C": "1 kg/s"}] * 2}),
     *(("marks", {"marks": name}) for name in ("none.csv", "/etc/passwd", "")),
 )
 OF_REQUIREMENTS = (

@@ -3,6 +3,7 @@
 import errno
 import fcntl
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import pytest
 
 import snapmap
 from snapmap.files.atomic import fingerprint, hold, refuse_others
+from snapmap.files.text import exact, stem_of
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.rows import tidy
@@ -30,6 +32,21 @@ def test_each_threshold_is_a_row(handout):
         there = edges.sel(thickness=row.thickness, C=row.C, f0=row.f0)
         assert all(row[key] == there[key] for key in ("N_first", "N_error", "N_static"))
         assert row.duration_ms == 1e3 / row.f0
+
+
+NUMBERS = 0.1, np.nextafter(0.1, 1.0), 1 / 3, 1e-15, 1500.0, np.nextafter(1500.0, 2e3), np.inf
+WORDS = [("spring" * 20, "a"), ("a", "spring" * 20), ("spring" * 20, "b")]
+WORDS += [("été.csv",), ("a/b.csv",), ("a:b.csv",), ("a_b.csv",)]
+
+
+def test_names_of_files_are_short_and_plain_and_differ_as_their_words_do():
+    words = [exact(number) for number in NUMBERS]
+    assert [float(word.replace("hard", "inf")) for word in words] == [*NUMBERS]
+    assert (words[0], words[4]) == ("0.1", "1500")
+    names = [stem_of("N", word) for word in words] + [stem_of(*each) for each in WORDS]
+    assert len({*names}) == len(names)
+    assert all(re.fullmatch(r"[\w.+-]{1,80}", name, re.ASCII) for name in names)
+    assert stem_of("map", "thickness1.9", "versed sine") == "map_thickness1.9_versed_sine"
 
 
 @pytest.fixture(scope="module")

@@ -187,6 +187,18 @@ def test_a_study_without_some_figures_is_planned(clone, tmp_path, more):
     assert "damage_boundary" not in output and "results/explore.html" in output
 
 
+def test_shots_that_no_device_of_the_ranges_gives_are_refused_before_the_first_job(clone, tmp_path):
+    """Here in m/s^2."""
+    (tmp_path / "shots.csv").write_text(re.sub(r"(?m)^(\d+)", r"\g<1>0", SHOTS))
+    unknowns = {"thickness": ["1.7 um", "2.1 um"]}
+    asked = {"calibration": {"shots": "shots.csv", "unknowns": unknowns, "C": "30 uN*us/um"}}
+    (config := tmp_path / "mine.yaml").write_text(yaml.safe_dump(yaml.safe_load(TINY) | asked))
+    code, output = snakemake(clone, tmp_path, config, check=False)
+    assert code != 0 and not (tmp_path / "results").exists()
+    last = output.splitlines()[-1]
+    assert last.startswith("calibration: shots: N is ") and last.endswith("multiples of g?")
+
+
 @pytest.mark.parametrize("cores", ["0", "-1"])
 def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
     options = f"--cores={cores}", "--dry-run"

@@ -195,9 +195,7 @@ def number(value: float | str, digits: int = 4) -> str:
     """Write a value in some digits, with spaces between thousands; names stay as they are."""
     if isinstance(value, str):
         return value
-    if math.isnan(value):
-        return "?"
-    if value == math.inf:
-        return "hard"
+    if not math.isfinite(value):
+        return "hard" if value == math.inf else "?"
     sign, size = "−" if value < 0 else "", plain(abs(value), digits)
     return sign + (f"{float(size):,.0f}".replace(",", THIN) if FROM <= float(size) < 1e7 else size)

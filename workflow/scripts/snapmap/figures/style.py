@@ -143,8 +143,7 @@ def note_missing(ax: Axes, values: ArrayLike, why: str) -> bool:
     """Tell whether none of the values that axes show is finite, and if so, say why in the axes."""
     if np.isfinite(values).any():
         return False
-    words = textwrap.fill(f"nothing to show: {why}", COLUMN)
-    ax.text(0.5, 0.5, words, transform=ax.transAxes, **NOTHING)
+    ax.text(0.5, 0.5, f"nothing to show: {why}", transform=ax.transAxes, **NOTHING)
     return True
 
 

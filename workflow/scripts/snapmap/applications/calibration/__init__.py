@@ -36,18 +36,10 @@ def files(study):
 
 def refuse(study):
     """Raise ValueError, one line, for shots that no device of the ranges can give."""
-    from .dataset import require_near
-    from .surface import logs_at_ends
+    from .dataset import refuse_far
 
-    if study.requests["calibration"]:
-        shots, _, unknowns, C = study.requests["calibration"]
-        require_near(shots, logs_at_ends(_of_shots(study), shots.groups, unknowns, C))
-
-
-def _of_shots(study):
-    from dataclasses import replace
-
-    return replace(study.of_thresholds(), shocks=study.shocks.first())
+    if asked := study.requests["calibration"]:
+        refuse_far(study.of_thresholds(), asked.shots, asked.unknowns, asked.C)
 
 
 def outputs(study):
@@ -62,11 +54,14 @@ def params(study):
 
 def run(study, path):
     """Fit the unknowns to the shots."""
+    from dataclasses import replace
+
     from ...study.netcdf import write_product
     from .dataset import calibration_of, summary
 
     shots, _, unknowns, C = study.requests["calibration"]
-    write_product(calibration_of(_of_shots(study), shots, unknowns, C), path, summary)
+    of_shots = replace(study.of_thresholds(), shocks=study.shocks.first())
+    write_product(calibration_of(of_shots, shots, unknowns, C), path, summary)
 
 
 def figures(study):

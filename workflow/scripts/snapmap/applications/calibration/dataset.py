@@ -1,6 +1,7 @@
 """Estimates of a device from its shots as an xarray dataset, with intervals and residuals."""
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Unpack
 
@@ -20,15 +21,14 @@ from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
-from .surface import Surface, surface_of
+from .surface import Surface, log_thresholds, surface_of
 
 DIGITS = 6
 """Significant digits of fitted values; SciPy's last digits differ between machines."""
 INSIDE = 300
 """Approximate number of places in the intervals at which `_spreads` sums the likelihood."""
 FINE, LEAST_LOG = 2001, -100.0
-"""Number of places on which a likelihood is interpolated, and the logarithm that replaces that of
-0."""
+"""Places on which a likelihood is interpolated, and the logarithm in place of that of 0."""
 NEAR = 2.0
 """Shots of which none is within this factor of a threshold do not tell anything of the device."""
 
@@ -108,26 +108,23 @@ def calibrate(
 
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
     """Estimate values of a study's device from shots, as `calibrate` returns them."""
+    refuse_far(study, shots, unknowns, C)
     surface = surface_of(study, shots.groups, unknowns, C)
-    require_near(shots, surface.logs.reshape(-1, len(shots.groups)))
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": {"unknowns": ranges}}
-    if C is not None:
-        document["calibration"]["C"] = float(C)
+    asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
+    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
     return dress("calibration", fit(shots, surface), document)
 
 
-def require_near(shots: Shots, logs: np.ndarray) -> None:
-    """Raise ValueError, one line, if no shot is near a threshold of the ranges.
-
-    logs: ln N_first at points of the ranges, (points, groups)
-    """
-    low, high = (end[shots.group] for end in (logs.min(axis=0), logs.max(axis=0)))
-    log_N = np.log(shots.N)
-    if (np.maximum(low - log_N, log_N - high) > np.log(NEAR)).all():
+def refuse_far(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> None:
+    """Raise ValueError, one line, if no shot is near a threshold at the ends of the ranges."""
+    ends = dict(zip(unknowns, np.array([*product(*unknowns.values())], float).T, strict=True))
+    logs = log_thresholds(study, shots.groups, ends, C)
+    low, high = (np.exp(end)[shots.group] for end in (logs.min(axis=0), logs.max(axis=0)))
+    if (np.maximum(low / shots.N, shots.N / high) > NEAR).all():
         raise ValueError(
             f"shots: N is {plain(shots.N.min())} to {plain(shots.N.max())}, but the ranges of "
-            f"unknowns give {plain(np.exp(low.min()))} to {plain(np.exp(high.max()))}; "
+            f"unknowns give {plain(low.min())} to {plain(high.max())}; "
             "is N in multiples of g?"
         )
 

@@ -33,8 +33,7 @@ def draw_calibration(figure: FigureBase, data: xr.Dataset) -> None:
 def panels(data: xr.Dataset) -> list[xr.Dataset]:
     """Split shots by shape and direction; the attribute `panel` names both."""
     pairs = zip(data["shape"].values, data.direction.values, strict=True)
-    words = [f"{shape} along {direction}".replace("-z", "−z") for shape, direction in pairs]
-    names = np.array(words)
+    names = np.array([f"{shape} along {way}".replace("-z", "−z") for shape, way in pairs])
     return [
         data.isel(shot=np.flatnonzero(names == name)).assign_attrs(data.attrs | {"panel": name})
         for name in dict.fromkeys(names.tolist())
@@ -49,8 +48,7 @@ def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
     """
     ax.set_title(literal(data.attrs["panel"]))
     f0, first = np.unique(data.f0.values, return_index=True)
-    keys = "threshold", "threshold_low", "threshold_high"
-    middle, low, high = (data[key].values[first] for key in keys)
+    middle, low, high = (data[f"threshold{end}"].values[first] for end in ("", "_low", "_high"))
     if f0.size == 1:
         f0, (middle, low, high) = f0 * [1 / WIDEST, WIDEST], np.tile([middle, low, high], 2)
     wide = np.exp(DEVIATIONS * data.spread.sel(bound="estimate").item())

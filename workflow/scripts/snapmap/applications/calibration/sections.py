@@ -19,9 +19,8 @@ from .shots import Shots, check_ranges, read_shots, shots_from
 
 def _span(name, kind, example=""):
     """Make the type of the range of an unknown."""
-    pair = tuple[quantity(kind), quantity(kind)]
     need = f"a pair of values: its range, each {KINDS[kind].name}"
-    return Annotated[pair, words(need, "", example, "it is known")]
+    return Annotated[tuple[quantity(kind), quantity(kind)], words(need, "", example, "it is known")]
 
 
 class UnknownsSection(of_device(_span)):
@@ -60,8 +59,7 @@ def read_calibration(
 ) -> Calibration:
     """Take the section; raises ValueError, one line, for invalid ones.
 
-    shocks: the first of them is the default of shots; C: of the sweep; a single value is the
-        default
+    shocks: the first is the default of shots; C: of the sweep; a single value is the default
     """
     unknowns = {key: list(ends) for key, ends in section.unknowns.given.items()}
     damping = section.C

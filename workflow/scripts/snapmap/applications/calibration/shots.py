@@ -169,11 +169,8 @@ def _group(row, shocks, known):
     key = name, direction, *times.items()
     if key in known:
         return key
-    pulse = shocks.pulse
-    if "file" in row:
-        pulse = read_pulse(name)
-    elif name:
-        pulse = make_shocks(name).pulse
+    of_name = read_pulse if "file" in row else lambda shape: make_shocks(shape).pulse
+    pulse = of_name(name) if name else shocks.pulse
     if len(times) > 1 or not (times or pulse.duration):
         what = "both written" if times else "missing"
         raise ValueError(f"f0 or duration: {what}; write one: f0 in Hz, or duration in us")
@@ -210,13 +207,10 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     if ("C" in unknowns) != (C is None):
         what = "missing; write it, or its range" if C is None else "is an unknown; leave it out"
         raise ValueError(f"C: {what}")
-    of_device = {key: ends for key, ends in unknowns.items() if key != "C"}
-    middle = {key: np.full(1, sum(ends) / 2) for key, ends in of_device.items()}
-    for key, ends in of_device.items():
-        for end, side, remedy in zip(ends, ("low", "high"), ("higher", "lower"), strict=True):
+    middle = {key: np.full(1, sum(ends) / 2) for key, ends in unknowns.items() if key != "C"}
+    for key in middle:
+        for end, side in zip(unknowns[key], ("low", "high"), strict=True):
             if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
-                unit = QUANTITIES[key].unit
-                raise ValueError(
-                    f"unknowns: {key}: no second stable shape at its {side} end, {end:g} {unit}; "
-                    f"write a {remedy} one"
-                )
+                remedy = "higher" if side == "low" else "lower"
+                where = f"its {side} end, {end:g} {QUANTITIES[key].unit}; write a {remedy} one"
+                raise ValueError(f"unknowns: {key}: no second stable shape at {where}")

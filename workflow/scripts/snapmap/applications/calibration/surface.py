@@ -1,7 +1,6 @@
 """Thresholds of a device over ranges of its unknown values, interpolated on a grid."""
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -18,8 +17,8 @@ POINTS = {1: 33, 2: 17, 3: 9, 4: 6}
 """Values of each unknown on the grid, by the number of unknowns."""
 CHECKED = 64
 """Number of points at which the solver checks the interpolation; a power of two."""
-TOLERANCE, COARSE = 2e-4, 1e-2
-"""Relative tolerances of thresholds, and of those that are only a first look."""
+TOLERANCE = 2e-4
+"""Relative tolerance of thresholds."""
 
 
 class Surface:
@@ -57,29 +56,15 @@ def surface_of(
     low, high = np.array(list(unknowns.values()), float).T
     # Points all over the ranges come first: they narrow the search for the others.
     points = low + np.concatenate([check, grid]) * (high - low)
-    logs = _log_thresholds(study, groups, dict(zip(unknowns, points.T, strict=True)), C)
+    logs = log_thresholds(study, groups, dict(zip(unknowns, points.T, strict=True)), C)
     surface = Surface(unknowns, logs[CHECKED:].reshape(*steps[0].shape, len(groups)))
     apart = surface.at(check) - logs[:CHECKED]
     surface.error = np.sqrt((apart * apart).mean(axis=0)) + TOLERANCE
     return surface
 
 
-def logs_at_ends(
-    study: Study, groups: Sequence[Group], unknowns: Mapping, C: float | None
-) -> np.ndarray:
-    """Find ln N_first at all ends and the middle of the ranges, (points, groups); as `surface_of`.
-
-    These few thresholds are only as exact as it takes to see shots of another kind.
-    """
-    low, high = np.array(list(unknowns.values()), float).T
-    ends = np.array([*product((0.0, 1.0), repeat=len(unknowns)), (0.5,) * len(unknowns)])
-    points = low + ends * (high - low)
-    values = dict(zip(unknowns, points.T, strict=True))
-    return _log_thresholds(study, groups, values, C, COARSE)
-
-
-def _log_thresholds(study, groups, values, C, tolerance=TOLERANCE):
-    """ln N_first, (points, groups), at values of the unknowns by name, (points,)."""
+def log_thresholds(study, groups, values, C):
+    """Find ln N_first, (points, groups), at values of the unknowns by name, (points,)."""
     of_device = {key: column for key, column in values.items() if key != "C"}
     bistable = is_bistable(study.device, of_device, len(next(iter(values.values()))))
     if not bistable.all():
@@ -95,7 +80,7 @@ def _log_thresholds(study, groups, values, C, tolerance=TOLERANCE):
     levels = choose_levels(device, study.model, rows, settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
     scattered = Batch(device, shares, study.model, levels, settings.start)
-    N_first, *_ = scattered.thresholds(rows, settings, tolerance)
+    N_first, *_ = scattered.thresholds(rows, settings, TOLERANCE)
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(
