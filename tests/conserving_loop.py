@@ -40,11 +40,16 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
         t = 1 + u @ A / 2
         r_free, r_give = (q + u @ free + p @ Sq0) / (2 * t), u @ B / (2 * t)
         ahead, give = e @ (p + free - A * r_free) / 2, e @ (B - A * r_give) / 2
-        F, beta = ahead - (y + y_free) / 2 - device.gap, give + D / 2
-        x_new = overlap(x, F, k * beta / 2)
-        P = (F - x_new) / beta
+        # A mass at rest on a stop stays there while the net force presses.
+        beyond = np.nan if y != y_old or y not in (-device.stop_toward, device.stop_away) else y
+        for y_ahead, yields in ((y, 0.0), (y_free, D)):
+            F, beta = ahead - (y + y_ahead) / 2 - device.gap, give + yields / 2
+            x_new = overlap(x, F, k * beta / 2)
+            P = (F - x_new) / beta
+            if (P - M * a - K * y) * beyond >= 0:
+                break
         r = r_free - r_give * P
-        p_new, y_new = free - A * r - B * P, y_free + D * P
+        p_new, y_new = free - A * r - B * P, y_ahead + yields * P
 
         q, x = 2 * r - q, x_new
         work -= a / 2 * (f @ (p_new - p_old) + M * (y_new - y_old))
@@ -95,8 +100,8 @@ def bounce(device, k, a, s, m, d, x):
     place = s - e * (m - s)
     away = left - 2 / M * (U(place) - U(s))
     if away < 0:
-        place, away = s, left
-    taken = M / 2 * (d**2 - away) + U(m) - U(place)
+        place, away = s, 0.0
+    taken = max(M / 2 * (d**2 - away) + U(m) - U(place), 0.0)
     return place, -np.copysign(np.sqrt(away), d), M * a * (m - place), taken
 
 

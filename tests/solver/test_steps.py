@@ -10,8 +10,13 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.solver.steps import arch_frequency, largest_speed, strike_tightening
+from snapmap.solver.settings import FIRST, SECOND, Settings
+from snapmap.solver.steps import (
+    arch_frequency,
+    largest_speed,
+    strike_tightening,
+    striking_speed,
+)
 from snapmap.thresholds.search import lowest_snap
 
 
@@ -27,7 +32,7 @@ def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
     modal, beam = build_model(handout, "cosines", modes=1).modal, handout.beam
     tension = np.sqrt(beam.youngs_modulus * beam.area * handout.mass / beam.span)
     expected = tension * (2 * np.pi / beam.span) ** 2 / (3 * beam.density * beam.area)
-    assert strike_tightening(handout, modal) == pytest.approx(expected, rel=1e-12)
+    assert strike_tightening(handout.mass, modal) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("f0", [300.0, 4e3, 5e4])
@@ -42,6 +47,22 @@ def test_no_mass_on_its_spring_flies_faster(handout, f0):
     share = max(abs(during).max(), abs(after)) / bound
     assert share <= 1 + 1e-12 and (share > 0.99 or f0 < 5e4)
     assert largest_speed(alone(handout), cells) == 0.0
+
+
+def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_speed(handout):
+    up, down = (make_pulse(), make_pulse().reversed())
+    cells = to_cells(handout, 0, 5000.0, 3e3, 0.0, 0.0, np.array([0, 1]), (up, down))
+    fastest, stopped = largest_speed(handout, cells), replace(handout, stop_away=2.0)
+    assert not striking_speed(handout, cells, FIRST).any() and fastest.all()
+    np.testing.assert_array_equal(striking_speed(handout, cells, SECOND), fastest)
+    np.testing.assert_array_equal(striking_speed(stopped, cells, FIRST), [0.0, fastest[1]])
+    usual, shorter = (
+        build_model(device, "cosines", modes=3).time_steps(
+            cells._replace(amplitude=1e6 * fastest), Settings()
+        )
+        for device in (handout, stopped)
+    )
+    assert (shorter < usual / 5).all()  # of the pressed mass by the beam's own load
 
 
 def threshold(model, f0, C, pulse, tolerance):

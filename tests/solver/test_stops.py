@@ -8,6 +8,8 @@ from varied import varied
 
 import snapmap
 from snapmap.beam.limit_loads import static_threshold
+from snapmap.device.device import Beam, Device
+from snapmap.pulse.pulse import make_pulse
 from snapmap.solver import simd_loop
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel import rows as R
@@ -75,6 +77,52 @@ def test_the_energy_is_known_to_rounding(handout, C):
     run = snapmap.simulate(elastic, 5000.0, 2e4, 0.0, model="cosines", modes=3)
     assert run.z_mass.max() - run.z_mass.min() == 17.0
     assert abs(run.dissipated_energy).max() < 1e-12 * run.pulse_work.max()
+
+
+@pytest.mark.parametrize("model", [{"name": "cosines", "modes": 3}, {"name": "reference"}])
+def test_a_stop_takes_energy_only_and_holds_a_mass_that_is_pressed_on_it(handout, model):
+    """Pulled up by 2e5 g for 200 us, while the beam bows up against it."""
+    device = varied(handout, contact=4000.0, stop_away=0.05)
+    run = snapmap.simulate(device, 2e5, 5e3, 0.025, model, direction="-z", horizon=100.0)
+    assert np.diff(run.dissipated_energy).min() > -1e-12 * run.dissipated_energy.max()
+    assert np.mean(run.z_mass[run.time < 200.0] == 10.05) > 0.9
+
+
+def test_energy_that_a_stop_gives_counts_as_an_error(handout):
+    """Of a mass beyond its stop that is slower than a fall from there would make it."""
+    model = build_model(varied(handout, stop_away=1.0), "cosines", modes=3)
+    lanes = simd_loop.empty_lanes(model)
+    X = lanes[0]
+    load(*lanes, 0, simd_loop.coefficients(model, -np.inf)[0], 0.0, 1.0, 1.0)
+    for row, value in {R.Y: 1.1, R.DY: 0.1, R.OVERLAP: -9.0, R.A: -1.0}.items():
+        X[row * LANES] = value
+    rebound(X)
+    assert X[R.Y * LANES] == 1.0 and X[R.DY * LANES] == 0.0 == X[R.LOST * LANES]
+
+
+SMALL = Device(Beam(120.0, 0.8, 0.175, 20.0, 144e3, 2.33e-3, 5e-3), 75.0, 0.7, 800.0, 9.81e-6)
+LIGHT = Device(Beam(180.0, 6.8, 1.24, 13.0, 146e3, 2.33e-3), 24.4, 4.5, 94.5, 9.81e-6)
+STRONG = {
+    "pressed": (SMALL, {"stop_away": 0.04, "restitution": 0.4}, "trapezoid", 1142.0, 3, 4e5),
+    "bowed": (LIGHT, {"stop_away": 4.9, "gap": 2.1}, "versed sine", 157e3, 11, 2e8),
+}
+"""Devices with stops, the pulse and f0 (Hz) that pulls their mass up, cosines, and highest N."""
+
+
+@pytest.mark.parametrize("name", STRONG)
+def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
+    """Of a mass held on its stop, and of a beam that its own load bows."""
+    device, stops, shape, f0, modes, highest = STRONG[name]
+    device = varied(device, **stops)
+    model = build_model(device, "cosines", modes=modes)
+    N = np.linspace(0.25, 1.0, 16) * highest
+    cells = to_cells(device, 0, N, f0, 0.0, 200.0, 0, (make_pulse(shape).reversed(),))
+    settings = Settings(200.0, until="snap")
+    usual, fine = (
+        np.isfinite(each.follow_once(cells, settings).t_snap)
+        for each in (model, model.with_step(0.125))
+    )
+    np.testing.assert_array_equal(usual, fine)
 
 
 @pytest.mark.parametrize("model", [{"name": "cosines", "modes": 3}, {"name": "reference"}])

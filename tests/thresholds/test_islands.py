@@ -10,8 +10,16 @@ from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import Window, asker, scan
-from snapmap.thresholds.survey import CLEAN_REACH, CLOSE_PLACES, CLOSE_STEP, close_edges, lowest
+from snapmap.thresholds.search import Window, asker, nothing_seen, outermost, scan
+from snapmap.thresholds.survey import (
+    CLEAN_REACH,
+    CLOSE_PLACES,
+    CLOSE_STEP,
+    close_edges,
+    lowest,
+    scan_ragged,
+    survey,
+)
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
 THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
@@ -82,3 +90,35 @@ def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
         assert few.size > 1 or many.size == 1 or narrow.any()
     assert 0 < sum(many.size > 1 for many in there) < N.size / 2
     assert counted.count < N.size * 2 * CLOSE_PLACES[-1] / 2
+
+
+def test_a_ragged_window_goes_on_below_every_change_of_any_model():
+    """An island at 0.975 lies below the window, and a second one below that below the bound."""
+
+    def model(*stretches):
+        within = [(lambda N, a=a, b=b: (a <= N) & (b > N)) for a, b in stretches]
+        return lambda N: np.where(np.any([inside(N) for inside in within], axis=0), 1.0, np.nan)
+
+    window, nothing = Window(*np.array([[1.0], [1.2], [0.001]])), nothing_seen(1)
+    ask = model((0.94, 0.945), (0.97, 0.98), (1.1, 2.0))
+    others = [model((1.02, 2.0)), model((0.972, 0.98), (1.1, 2.0))]
+    for bound, first in ((0.9, 0.94), (0.96, 0.97)):
+        seen, firsts = scan_ragged(ask, others, window, np.array([bound]), nothing)
+        found = seen.edges.high[seen.edges.rising].min()
+        assert found == pytest.approx(first, rel=1.1e-3) and seen.ends.all()
+        assert firsts[:, 0] == pytest.approx([1.02, 0.972], rel=2.1e-3)
+
+
+def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(handout):
+    """Here of one in four times the step, so that it differs."""
+    device = batch([handout])
+    models = choose_survey(device, {"name": "cosines", "modes": 3})
+    other = models.decides.with_step(4.0)
+    models = models._replace(others=(models.decides,), finest=other)
+    rows, settings = to_rows(0, [1e4, 28e3], 0.025), Settings(horizon=300.0)
+    found = survey(models, rows, settings)
+    assert found.ragged.all()
+    window = Window(found.N_first / 1.03, 1.03 * found.N_first, np.full(rows.f0.size, 1e-3))
+    edges, *_ = scan(asker(other, rows, settings, "snap"), window.N)
+    firsts = outermost(edges.row, edges.high, rows.f0.size)[0]
+    assert (abs(firsts - found.N_first) <= found.N_error).all()

@@ -21,7 +21,7 @@ from .cells import Cells, Observations, no_observations
 from .laws import Laws, laws_of, well_of
 from .options import take_model
 from .settings import FIRST, MOVE, SECOND, Settings
-from .steps import Steps, explicit_steps, largest_speed, steps_of
+from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
 """Cells of a call to a kernel, after which progress is reported; too few leave its lanes idle."""
@@ -103,8 +103,7 @@ class Model:
 
     def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape."""
-        # No mass rests on a beam in its second shape: it strikes with a run-up.
-        speed = largest_speed(self.device, cells) if settings.start == SECOND else 0.0
+        speed = striking_speed(self.device, cells, settings.start)
         return self.steps.of(cells, settings.question, speed)
 
     def loop(self) -> ModuleType:

@@ -149,8 +149,15 @@ def reflect(system, stop, w_mid, a, middle, velocity):
     place = stop - e * (middle - stop)
     climbs = 2 * (potential(system, w_mid, a, place) - at_stop) / system.mass
     if left < climbs:
-        place, climbs = stop, 0.0
+        place, left, climbs = stop, 0.0, 0.0
     return place, -np.copysign(np.sqrt(left - climbs), velocity)
+
+
+@compiled
+def is_held(system, y_before, y, force):
+    """Tell whether a mass that rests on a stop is pressed there, by its force without damping."""
+    rests = y == y_before and (y == -system.stop_toward or y == system.stop_away)
+    return rests and force * y >= 0.0
 
 
 @compiled
@@ -166,7 +173,7 @@ def meet_stops(system, w_mid, a, y_before, y, dt):
             place, turned = reflect(system, side * travel, w_mid, a, middle, velocity)
             falls = potential(system, w_mid, a, middle) - potential(system, w_mid, a, place)
             pushed += system.mass * a * (middle - place)
-            taken += system.mass * (velocity**2 - turned**2) / 2 + falls
+            taken += max(0.0, system.mass * (velocity**2 - turned**2) / 2 + falls)
             y_before, y = place - turned * dt / 2, place + turned * dt / 2
     return y_before, y, pushed, taken
 
@@ -254,6 +261,8 @@ def follow(
                     drag = D(damping, y_velocity, y) / (2 * dt * y_velocity)
                 y_after = force_y + inertia * (2 * y - y_before) + drag * y_before
                 y_after /= inertia + drag
+        if is_held(system, y_before, y, force_y):
+            y_after = y
         y_velocity = (y_after - y_before) / (2 * dt)
 
         power_before, loss_before = power, loss

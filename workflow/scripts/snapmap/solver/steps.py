@@ -9,7 +9,7 @@ from ..beam.modal import ModalBeam, column, contact_stiffness
 from ..device.device import Device, Value
 from ..numerics.linalg import dot, eigenvalues, outer, solve
 from .cells import Cells
-from .settings import EDGE, MOVE, QUESTIONS, SNAP, STAY
+from .settings import EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
 
 # ASSUME: chosen by measurement, see docs/accuracy.md.
 OF_LIMIT = 0.8
@@ -40,8 +40,8 @@ HEAVY, HOLDS = 16.0, 5.0
 """HEAVY: mass over the beam's from which on MOST grows, with its fourth root. HOLDS: stiffness over
 the clamped beam's, 192 EI/L^3, at which a spring holds the mass back from a beam that snaps."""
 STRIKE_TURN = 2.0
-"""Most radians per step by which the fastest mode turns under the tension of a strike; in longer
-steps the energy is conserved, but goes to the wrong modes."""
+"""Most radians per step by which the fastest mode turns under the tension of a strike, or of the
+beam's own load; in longer steps the energy is conserved, but goes to the wrong modes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,9 @@ class Steps:
     pressed: longest step for SNAP and EDGE if the mass is pressed on the beam, us
     returns: whether the mass may come back from a stop
     most: most steps in each swing of a smooth pulse, for SNAP and EDGE
-    tightening: as in `strike_tightening`, 1/(um us)
+    tightening, own_tightening: as in `strike_tightening`, of the mass, and of the beam by its own
+        load where stops keep the mass from snapping it at a far weaker shock, 1/(um us)
+    arch: frequency of the arch, rad/us
     per_swing: steps in each swing of a pulse that is slow for the device
     factor: multiplies every step
     """
@@ -66,13 +68,15 @@ class Steps:
     returns: np.ndarray
     most: np.ndarray
     tightening: np.ndarray
+    own_tightening: np.ndarray
+    arch: np.ndarray
     per_swing: float
     factor: float = 1.0
 
     def of(self, cells: Cells, question: str, speed: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape.
 
-        speed: largest speed of a mass that starts apart from the beam, um/us; 0 for other masses
+        speed: as `striking_speed` returns it
         """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
@@ -89,7 +93,8 @@ class Steps:
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
         step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
-        turn = step * np.sqrt(self.tightening[cells.device] * speed)
+        own = self.own_tightening[cells.device] * shaken_speed(self.arch, cells)
+        turn = step * np.sqrt(self.tightening[cells.device] * speed + own)
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
 
     def times(self, factor: float) -> "Steps":
@@ -114,6 +119,8 @@ def fixed(dt: np.ndarray) -> Steps:
         returns=np.zeros(dt.shape, bool),
         most=np.full(dt.shape, np.inf),
         tightening=np.zeros(dt.shape),
+        own_tightening=np.zeros(dt.shape),
+        arch=np.ones(dt.shape),
         per_swing=FEWEST_STEPS,
     )
 
@@ -132,26 +139,43 @@ def most_steps(device: Device) -> Value:
     return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
-def strike_tightening(device: Device, modal: ModalBeam) -> Value:
+def strike_tightening(mass: Value, modal: ModalBeam) -> Value:
     """Return omega^2 / v of the fastest mode under the tension of a strike at speed v, 1/(um us).
 
-    The tension T = axial Q is that of a beam whose stretch has taken the energy of the mass,
+    The tension T = axial Q is that of a beam whose stretch has taken the energy of the mass, ng,
     axial Q^2/4 = M v^2/2. Bending is left out: the kernel turns a mode by that exactly.
     """
-    return np.sqrt(2 * device.mass * modal.axial) * modal.geometric[..., -1, -1]
+    return np.sqrt(2 * mass * modal.axial) * modal.geometric[..., -1, -1]
+
+
+def striking_speed(device: Device, cells: Cells, start: str) -> np.ndarray:
+    """Bound the speed at which a mass strikes the beam with a run-up, um/us, in the cells' shape.
+
+    It is 0 but in runs from the second shape, where no mass rests on the beam, and of a mass that
+    a shock throws against its stops; without these it is nearly as fast, but lands on the beam at
+    shocks far weaker than those that matter here.
+    """
+    strikes = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
+    thrown = np.atleast_1d(device.has_stops)[cells.device] & strikes
+    return np.where(thrown | (start != FIRST), largest_speed(device, cells), 0.0)
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:
-    """Bound the speed of the undamped mass on its spring, um/us, in the cells' shape.
+    """Bound the speed of the undamped mass on its spring, um/us; 0 without a mass."""
+    speed = shaken_speed(np.atleast_1d(device.mass_frequency), cells)
+    return np.where(np.atleast_1d(device.is_alone)[cells.device], 0.0, speed)
 
-    The integral of |a| is a bound, and so is the total variation of a over the frequency of the
-    mass; the speed is 0 without a mass.
+
+def shaken_speed(frequency: np.ndarray, cells: Cells) -> np.ndarray:
+    """Bound the speed of an oscillator that pulses shake, um/us, in the cells' shape.
+
+    frequency: rad/us, (devices,)
+    The integral of |a| is a bound, and so is the total variation of a over the frequency.
     """
     facts = np.array([(pulse.gross_area, pulse.variation) for pulse in cells.pulses])
     gross, variation = facts.T[:, cells.pulse]
-    swing = variation / np.atleast_1d(device.mass_frequency)[cells.device]
-    speed = abs(cells.amplitude) * np.minimum(gross / cells.f0, swing)
-    return np.where(np.atleast_1d(device.is_alone)[cells.device], 0.0, speed)
+    swing = variation / frequency[cells.device]
+    return abs(cells.amplitude) * np.minimum(gross / cells.f0, swing)
 
 
 def explicit_steps(device: Device, modal: ModalBeam) -> Steps:
@@ -165,6 +189,7 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
     share = np.where(crosses, 1.0, spring_share(device))
     pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
+    own_load = np.where(device.has_stops, strike_tightening(device.beam.weight, modal), 0.0)
     return Steps(
         longest={question: turn * period for question, turn in LONGEST.items()},
         shortest=SHORTEST * period,
@@ -172,7 +197,9 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
         pressed=pressed * period,
         returns=np.broadcast_to(device.has_stops, period.shape),
         most=np.broadcast_to(most_steps(device), period.shape),
-        tightening=np.broadcast_to(strike_tightening(device, modal), period.shape),
+        tightening=np.broadcast_to(strike_tightening(device.mass, modal), period.shape),
+        own_tightening=np.broadcast_to(own_load, period.shape),
+        arch=1 / period,
         per_swing=PER_SWING,
     )
 

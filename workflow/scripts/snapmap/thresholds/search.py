@@ -94,6 +94,13 @@ class Seen(NamedTuple):
         return Seen(edges, rows & self.begins, rows & self.ends, low, high)
 
 
+def nothing_seen(n_rows: int) -> Seen:
+    """Tell that nothing is known of rows."""
+    edges, labels = Edges(*np.zeros((3, 0)), np.zeros(0, bool)), np.zeros(n_rows, bool)
+    edges = edges._replace(row=edges.row.astype(int))
+    return Seen(edges, labels, labels, *np.full((2, n_rows), np.nan))
+
+
 def lowest_snap(
     model: Follows,
     rows: Rows,

@@ -32,6 +32,7 @@ from .search import (
     edges_of,
     first_snap,
     joined,
+    nothing_seen,
     observer,
     outermost,
     refine,
@@ -265,9 +266,10 @@ def find_changes(
     seen, clean = decide(asker(models.decides, rows, settings), look, window, ragged)
     ragged = np.isfinite(first) & ~clean
     window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
-    others = [asker(model, rows, settings, until="snap") for model in _others(models)]
+    others = [asker(model, rows, settings, until="snap") for model in _ragged_others(models)]
     ask = asker(models.ragged, rows, settings)
-    scanned, firsts = scan_ragged(ask, others, window, seen.of(ragged))
+    lowest = np.minimum(limits.low, SLACK * bound)
+    scanned, firsts = scan_ragged(ask, others, window, lowest, seen.of(ragged))
     return Changes(
         edges=joined(seen.of(clean).edges, scanned.edges),
         is_open=ragged & ~scanned.ends,
@@ -389,30 +391,37 @@ def is_single(edges: Edges, begins: np.ndarray) -> np.ndarray:
 
 
 def scan_ragged(
-    ask: Ask, others: Sequence[Ask], window: Window, seen: Seen
+    ask: Ask, others: Sequence[Ask], window: Window, lowest: np.ndarray, seen: Seen
 ) -> tuple[Seen, np.ndarray]:
     """Find all edges in a window of which a part was seen, and where other models begin to snap.
 
     others: of the other models, which scan the window in twice the step
+    lowest: N to which the window may grow, (rows,): it goes on to RAGGED_REACH below all changes
     The deciding model looks within CLEAN_REACH of all changes of any model, and on to the lower end
     of the window while it snaps there, or to the upper end while it does not.
     Returns what was seen, and N at which each other model begins to snap, (others, rows).
     """
-    coarse = window._replace(step=2 * window.step)
-    scans = [scan(other, coarse.N) for other in others]
-    firsts = np.array([_begins(part, window) for part in scans])
+    scans = [nothing_seen(window.low.size)] * len(others)
     while True:
-        edges = joined(seen.edges, *(edges for edges, *_ in scans))
+        coarse = window._replace(step=2 * window.step)
+        scans = [scan_on(other, coarse, part) for other, part in zip(others, scans, strict=True)]
+        edges = joined(seen.edges, *(part.edges for part in scans))
         ends = outermost(edges.row, edges.high, window.low.size)
+        begins = np.any([part.begins for part in scans], axis=0)
+        first = np.where(begins, window.low, ends[0])
+        lower = np.fmin(window.low, np.maximum(lowest, first / RAGGED_REACH))
         ends = (np.where(np.isnan(a), b, a) for a, b in zip(ends, window[:2], strict=True))
         near = around(window, *ends, CLEAN_REACH, RAGGED_STEP)
         new = np.isnan(seen.low)
         low = np.where(seen.begins, window.low, near.low)
         high = np.where(seen.ends | new, near.high, window.high)
         left = np.isfinite(low) & (new | (low < seen.low) | (high > seen.high))
-        if not left.any():
+        grows = lower < window.low
+        if not (left | grows).any():
             break
         seen = scan_on(ask, near._replace(low=low, high=high).of(left), seen)
+        window = window._replace(low=lower)
+    firsts = np.array([_begins((part.edges, part.begins, part.ends), window) for part in scans])
     return seen._replace(edges=seen.edges.take(~seen.begins[seen.edges.row])), firsts
 
 
@@ -533,7 +542,7 @@ def compare(
     Returns the error of N_first, multiples of g, and whether a row is ragged, as its labels change
     back and forth or as models differ by far; (rows,).
     """
-    ragged, rings, others = changes.ragged, changes.rings, _others(models)
+    ragged, rings, others = changes.ragged, changes.rings, _ragged_others(models)
     clean = np.where(ragged, np.nan, N_first)
     near = _clean_bars(models, rows, settings, tolerance, clean)
     if models.finest is not None:
@@ -565,6 +574,11 @@ def _clean_bars(models, rows, settings, tolerance, N_first):
 def _others(models):
     """Give the models that thresholds are compared with, the deciding one in another step first."""
     return models.decides.with_step(STEP_RATIO), *models.others, *models.judges
+
+
+def _ragged_others(models):
+    """Give the models that ragged rows are compared with: those of clean rows, and the finest."""
+    return *_others(models), models.finest or models.decides
 
 
 def _spread(edges, N_first):

@@ -17,7 +17,7 @@ LIMITS = {"few": FEWEST_STEPS, "perSwing": PER_SWING, "turn": STRIKE_TURN}
 NUMBERS = (
     *("modes", "axial", "residual", "contact", "M", "K", "z0", "alpha", "toward", "away"),
     *("restitution", "target", "barrier", "saddle", "first", "second", "gravity", "warmth"),
-    *("held", "longest", "shortest", "tightening", "omega"),
+    *("held", "longest", "shortest", "tightening", "ownTightening", "omega", "arch", "isBack"),
 )
 """Numbers of a beam and its mass, as `simulate.js` calls them; vectors and a matrix follow."""
 
@@ -51,7 +51,8 @@ def _rows(model, start):
         # Without a mass, a damper of 1 keeps the equation of y solvable.
         *(np.where(device.is_alone, 0.0, device.damper_factor), device.is_alone),
         *(steps.longest[MOVE], steps.shortest),
-        *(steps.tightening if start == SECOND else 0.0, omega),
+        np.where(device.has_stops | (start == SECOND), steps.tightening, 0.0),
+        *(steps.own_tightening, omega, steps.arch, start == SECOND),
     )
     columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
     vectors = modal.stiffness, *modal[2:5], model.rest(start), modal.geometric
@@ -67,6 +68,7 @@ def pulses(study: Study) -> list[dict]:
             "pieces": pulse.pieces if len(pulse.pieces) <= MOST_PIECES else None,
             "ends": pulse.ends,
             "swings": pulse.swings,
+            "strikes": pulse.strikes,
             "grossArea": pulse.gross_area,
             "variation": pulse.variation,
         }

@@ -19,8 +19,10 @@ function stepOf(form, pulse, { N, f0 }, limits) {
   const swing = 1 / (pulse.swings * f0);
   const resolved = Math.max(swing / limits.perSwing, form.shortest);
   const step = Math.min(form.longest, resolved, swing / limits.few);
-  const speed = N * form.gravity * Math.min(pulse.grossArea / f0, pulse.variation / form.omega);
-  return step / Math.max((step * Math.sqrt(form.tightening * speed)) / limits.turn, 1);
+  const speed = (frequency) => N * form.gravity * Math.min(pulse.grossArea / f0, pulse.variation / frequency);
+  const struck = form.isBack || pulse.strikes ? form.tightening * speed(form.omega) : 0;
+  const own = form.ownTightening * speed(form.arch);
+  return step / Math.max((step * Math.sqrt(struck + own)) / limits.turn, 1);
 }
 
 const sine = (turns) => Math.sin(2 * Math.PI * turns);
@@ -54,7 +56,7 @@ function load(form, C, dt) {
   const beam = {
     modes, dt, M, z0: form.z0, residual: form.residual / square, K: form.K * square,
     k: form.contact * square, axial: form.axial * square, toward: form.toward, away: form.away,
-    restitution: form.restitution, b, B: 1 / (mass + drag), keep: (mass - drag) / (mass + drag),
+    restitution: form.restitution, b, B: 1 / (mass + drag), isHeld: false, keep: (mass - drag) / (mass + drag),
     beamKeep: (1 - beamDrag) * b, gamma: (b * form.axial * square) / 2,
     kappa: kappa.map((stiffness, i) => stiffness * stretch[i] ** 2), sq0: scaled(form.sq0),
     f: scaled(form.f), e: scaled(e), S: form.S.map((element, ij) =>
@@ -78,7 +80,7 @@ function advance(beam, a) {
   if (beam.y < -beam.toward && beam.dy < 0) strike(beam, -beam.toward);
   if (beam.y > beam.away && beam.dy > 0) strike(beam, beam.away);
   beam.a = a;
-  const { modes, p, d, u, free, e, f, S, sq0, kappa, b, B, gamma } = beam, m = beam.x;
+  const { modes, p, d, u, free, e, f, S, sq0, kappa, b, gamma } = beam, m = beam.x;
   let uu = 0, eu = 0, ep = 0, ee = 0, ef = 0, ud = 0;
   for (let i = 0; i < modes; i += 1) {
     u[i] = sq0[i];
@@ -87,11 +89,19 @@ function advance(beam, a) {
     [uu, eu, ep, ee] = [uu + u[i] * u[i], eu + e[i] * u[i], ep + e[i] * p[i], ee + e[i] * e[i]];
     [ef, ud] = [ef + e[i] * free[i], ud + u[i] * (d[i] + free[i])];
   }
-  const dyFree = beam.keep * beam.dy - B * (beam.M * a + beam.K * beam.y);
-  const t = 1 + gamma * uu, rho = beam.q + ud / 2;
-  const beta = (b * ee + B) / 2 - (b * gamma * eu * eu) / (2 * t);
-  const F = ep - beam.y - beam.z0 + (ef - dyFree) / 2 - (gamma * eu * rho) / t;
-  beam.P = force(m, F, beta, beam.k / 2);
+  const t = 1 + gamma * uu, rho = beam.q + ud / 2, pulls = -beam.M * a - beam.K * beam.y;
+  let B, dyFree, F, beta;
+  const press = (response) => {
+    [B, dyFree] = [response, beam.keep * beam.dy + response * pulls];
+    beta = (b * ee + B) / 2 - (b * gamma * eu * eu) / (2 * t);
+    F = ep - beam.y - beam.z0 + (ef - dyFree) / 2 - (gamma * eu * rho) / t;
+    beam.P = force(m, F, beta, beam.k / 2);
+  };
+  press(beam.isHeld ? 0 : beam.B);
+  if (beam.isHeld && (pulls + beam.P) * beam.y < 0) {
+    beam.isHeld = false;
+    press(beam.B);
+  }
   const r = (rho - (b * eu * beam.P) / 2) / t, pull = 2 * gamma * r;
   beam.w = ep - beam.residual * beam.P;
   beam.x = F - beta * beam.P;
@@ -123,7 +133,7 @@ function strike(beam, stop) {
   if (squared <= 0 && (m - stop) * d < 0) return; // it turns before the stop
   const left = restitution ** 2 * Math.max(squared, 0);
   let place = stop - restitution * (m - stop), away = left - (2 * rise(stop, place)) / M;
-  if (away < 0) [place, away] = [stop, left];
+  if (away < 0) [place, away, beam.isHeld] = [stop, 0, true];
   beam.dy = -Math.sign(d) * Math.sqrt(away);
   beam.x -= place - m;
   beam.y = place + beam.dy / 2;

@@ -36,6 +36,8 @@ def advance(work, shape, shocks, first, steps):
         for l in range(LANES):
             touch(X, l, release_all(X, V, shape, l, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
+        if stopped:
+            let_go(work)
         for l in range(LANES):
             press(X, V, shape, l, meet(X, l))
 
@@ -146,13 +148,22 @@ def switch_contacts(X):
         switches |= X[R.SWITCHES, l] > 0.0
     if switches:
         for l in range(LANES):
-            if X[R.SWITCHES, l] == 0.0:
-                continue
-            m, F, beta = X[R.OVERLAP, l], X[R.OVERLAP_FREE, l], X[R.BETA, l]
-            h = X[R.HALF_CONTACT, l] * beta
-            root = np.sqrt((F - m) ** 2 + 4 * h * m * (m if m > 0.0 else -F))
-            x = (F + m - root) / 2 if m > 0.0 else (F + m + root) / (2 * (1 + h))
-            X[R.FORCE, l] = (F - x) / beta
+            if X[R.SWITCHES, l] > 0.0:
+                X[R.FORCE, l] = contact_force(X, l)
+
+
+@inlined
+def contact_force(X, l):
+    """Return P, the root of x + beta P(x) = F, whether or not a contact opens or closes."""
+    m, F, beta = X[R.OVERLAP, l], X[R.OVERLAP_FREE, l], X[R.BETA, l]
+    h = X[R.HALF_CONTACT, l] * beta
+    if m <= 0.0 and F <= 0.0:
+        return 0.0
+    if m >= 0.0 and h * m <= F:
+        return X[R.HALF_CONTACT, l] * (F + m) / (1 + h)
+    root = np.sqrt((F - m) ** 2 + 4 * h * m * (m if m > 0.0 else -F))
+    x = (F + m - root) / 2 if m > 0.0 else (F + m + root) / (2 * (1 + h))
+    return (F - x) / beta
 
 
 @inlined
@@ -267,15 +278,39 @@ def strike(X, l, stop):
     place = stop - e * (middle - stop)
     away = left - 2 * (stored(X, l, stop, place) + weight * (place - stop)) / mass
     if away < 0.0:
-        place, away = stop, left
+        place, away = stop, 0.0
+        hold(X, l)
     turned = -np.copysign(np.sqrt(away), d)
     work = weight * (middle - place)
     taken = mass * (d * d - away) / 2 - stored(X, l, middle, place) + work
-    X[R.LOST, l] += taken
+    X[R.LOST, l] += max(taken, 0.0)
     X[R.WORK, l] += 2 * work
     X[R.GROSS_WORK, l] += abs(2 * work)
     X[R.OVERLAP, l] -= place - middle
     X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
+
+
+@inlined
+def hold(X, l):
+    """Keep the mass of lane l from moving: without B no force moves it."""
+    X[R.HELD, l], X[R.B, l] = X[R.B, l], 0.0
+    X[R.COMPLIANCE, l] -= X[R.HELD, l] / 2
+
+
+@compiled
+def let_go(work):
+    """Free every mass that the net force of this step pulls off its stop, and set its P anew."""
+    X = numbers(work)
+    for l in range(LANES):
+        B, y = X[R.HELD, l], X[R.Y, l]
+        pull = fma(-X[R.M, l], X[R.A, l], -X[R.K, l] * y)
+        if (pull + X[R.FORCE, l]) * y < 0.0 < B:
+            X[R.B, l], X[R.HELD, l] = B, 0.0
+            X[R.COMPLIANCE, l] += B / 2
+            X[R.BETA, l] += B / 2
+            X[R.DY_FREE, l] = B * pull
+            X[R.OVERLAP_FREE, l] -= B * pull / 2
+            X[R.FORCE, l] = contact_force(X, l)
 
 
 @inlined
