@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import RLock
 
 _listeners: list[Callable[[int], object]] = []
 
@@ -25,8 +26,11 @@ def counting(what: str, **options) -> Iterator[None]:
         yield
         return
 
+    class Line(tqdm):
+        _lock = RLock()  # between threads: tqdm's own, between processes, outlives a job's os._exit
+
     usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
-    with tqdm(desc=what, **usual | options) as line:
+    with Line(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:
             yield
