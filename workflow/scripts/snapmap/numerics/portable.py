@@ -1,7 +1,7 @@
 """A sine and spaced values that are the same on every machine, whatever its libraries."""
 
 from decimal import Context, Decimal
-from math import copysign, factorial, pi
+from math import copysign, factorial, pi, sqrt
 
 import numpy as np
 
@@ -25,6 +25,11 @@ def sine_of_rest(rest: float) -> float:
     for coefficient in SERIES:
         total = total * square + coefficient
     return angle * total
+
+
+def quarters(n: int) -> float:
+    """Return 2^(n/4)."""
+    return sqrt(sqrt(2.0**n))
 
 
 def linear(start: float, stop: float, points: int) -> np.ndarray:
