@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from ...device.argument import number
-from ...numerics.portable import quarters
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
@@ -22,9 +21,10 @@ from .trips import snap_times, tell_records
 
 RECORDS, SEED = 16, 1
 """Default number of records, and seed of their phases."""
+RUNG = 2**0.25
+"""Ratio of neighbouring levels; a level is RUNG to the power of its rung, over the given level."""
 STRIDE, FARTHEST = 4, 60
-"""Rungs between the first levels, and the largest number of rungs from the given level; a rung is a
-factor of 2^(1/4)."""
+"""Rungs between the first levels, and the largest number of rungs from the given level."""
 RUNGS = 4
 """Number of rungs, from the lowest that snaps, in a fit of rates; Rice's law fails far above it."""
 STEP = 4.0
@@ -144,7 +144,7 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
         counts = ladder.setdefault(rung, np.full((3, exists.size), np.nan))
         which = which[np.isnan(counts[0, which])]
         if which.size:
-            counts[:, which] = follow(which, quarters(rung))
+            counts[:, which] = follow(which, RUNG**rung)
         return counts
 
     every = np.flatnonzero(exists)
@@ -179,7 +179,7 @@ def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[f
     first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), None)
     if first is None:
         return (np.inf,) * 3 if counts else (np.nan,) * 3
-    near = [(quarters(-2 * rung), *counts[rung]) for rung in counts if rung < first + RUNGS]
+    near = [(RUNG ** (-2 * rung), *counts[rung]) for rung in counts if rung < first + RUNGS]
     a, b, variance = fit_rates(*zip(*near, strict=True))
     if not b > 0:
         return np.nan, 0.0, np.inf
