@@ -1,4 +1,4 @@
-"""The same bits on every processor: those of this kind are imitated, each in a process of its own."""
+"""The same bits on every processor: others of its kind are imitated in processes of their own."""
 
 import os
 import platform

@@ -28,8 +28,9 @@ def counting(what: str, **options) -> Iterator[None]:
 
     class Line(tqdm):
         _lock = RLock()  # between threads: tqdm's own, between processes, outlives a job's os._exit
+        monitor_interval = 0  # no thread, which would not outlive a fork
 
-    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
+    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None, "miniters": 1}
     with Line(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:

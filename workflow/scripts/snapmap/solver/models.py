@@ -190,7 +190,7 @@ def deciders(
     """
     for number, halved in np.unique(decided[:, which], axis=1).T:
         alike = which[(decided[0, which] == number) & (decided[1, which] == halved)]
-        for mine, part in levels[number].with_step(math.ldexp(1.0, -halved)).split(device[alike]):
+        for mine, part in levels[number].with_step(np.ldexp(1.0, -halved)).split(device[alike]):
             yield alike[mine], part
 
 
