@@ -32,7 +32,8 @@ def files(handout, tmp_path_factory):
 
 def complaints(path, checker):
     """Faults of high and medium priority in a file."""
-    runner = pytest.importorskip("compliance_checker.runner", reason="is in no lock of users")
+    reason = "packages of locks/requirements-docs.lock are missing"
+    runner = pytest.importorskip("compliance_checker.runner", reason=reason)
     runner.CheckSuite.load_all_available_checkers()
     report = path.with_suffix(".json")
     options = {"output_filename": str(report), "output_format": "json"}
