@@ -164,7 +164,7 @@ def test_a_failed_install_is_reported_and_begun_again(clone, fault):
 def test_a_killed_install_is_begun_again(clone):
     clone.fault("sleep 60")
     process = clone.start("true", start_new_session=True)
-    assert wait_for((clone.fakes / "venvs").exists)
+    assert wait_for(lambda: (clone.fakes / "venvs").exists() and clone.venvs_made())
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     clone.fault("")
