@@ -4,16 +4,17 @@ import subprocess
 import sys
 import time
 from multiprocessing import get_context
-from tempfile import TemporaryFile
+from tempfile import NamedTemporaryFile
 
-from snakemake.cli import main
+FORKS = get_context("forkserver")  # it has no threads, which could hold a lock in a fork
+FORKS.set_forkserver_preload(["numpy", "snakemake.cli"])
 
 
 def snakemake(root, folder, config, *options, cores="2", check=True):
     """Run the workflow of the clone `root` in `folder`; returns its exit code and output.
 
-    What runs no job is done in a fork of this process, which has imported what takes long; but not
-    on macOS, where libraries do not outlive a fork.
+    What runs no job is done in a fork of a process that has imported what takes long; but not on
+    macOS, where libraries do not outlive a fork.
     cores: as of --cores, which "" leaves out
     """
     command = ["--snakefile", root / "Snakefile", "--directory", folder, "--configfile", config]
@@ -21,11 +22,10 @@ def snakemake(root, folder, config, *options, cores="2", check=True):
         command += ["--cores", cores]
     command = [str(word) for word in (*command, *options)]
     if sys.platform == "linux" and {"--dry-run", "--lint"} & {*options}:
-        with TemporaryFile("w+") as said:
-            plan = get_context("fork").Process(target=_plan, args=(command, said))
+        with NamedTemporaryFile("w+") as said:
+            plan = FORKS.Process(target=_plan, args=(command, said.name))
             plan.start()
             plan.join()
-            said.seek(0)
             code, output = plan.exitcode, said.read()
     else:
         done = subprocess.run(["snakemake", *command], capture_output=True, text=True, timeout=600)
@@ -35,9 +35,9 @@ def snakemake(root, folder, config, *options, cores="2", check=True):
 
 
 def _plan(command, said):
-    sys.stdout = sys.stderr = said
-    for name in [name for name in sys.modules if name.partition(".")[0] == "snapmap"]:
-        del sys.modules[name]  # a clone has a package of its own
+    from snakemake.cli import main
+
+    sys.stdout = sys.stderr = open(said, "w")  # noqa: SIM115, until the process ends
     main(command)
 
 

@@ -62,7 +62,7 @@ def test_the_options_of_each_docstring_are_those_it_takes():
     for name in snapmap.__all__:
         function = getattr(snapmap, name)
         options = {key for key in options_of(inspect.unwrap(function)) if key not in VALUES}
-        line = re.search(r" options: (.*?)\n    (?! )", function.__doc__ + "    ", re.S)
+        line = re.search(r"^options: (.*?)\n(?! )", inspect.getdoc(function) + "\n", re.M | re.S)
         words = set(re.findall(r"\w+", line[1] if line else "")) & SHARED_OPTIONS
         assert words == options, name
 

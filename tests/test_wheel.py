@@ -1,5 +1,9 @@
-"""The wheel, made from the sdist, in fresh environments: the newest packages, and the oldest."""
+"""The wheel, made from the sdist, in fresh environments: the newest packages, and the oldest.
 
+What other systems install is resolved here, and not installed.
+"""
+
+import os
 import subprocess
 import sys
 
@@ -75,6 +79,24 @@ def installed(request, root, wheel, tmp_path):
         return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
 
     return install, run
+
+
+SYSTEMS = "x86_64-manylinux_2_28", "aarch64-manylinux_2_28", "aarch64-apple-darwin"
+
+
+@pytest.mark.parametrize("python", ["3.11", "3.13", "3.14"])
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_every_system_installs_from_wheels(root, tmp_path, system, python):
+    """The locked packages, and the newest that `pip install '.[all]'` takes; macOS from 15 on."""
+    built = ["connection-pool", *(["immutables"] if python == "3.14" else [])]
+    asked = ["--quiet", "--python-platform", system, "--python-version", python]
+    asked += ["--only-binary", ":all:", *(f"--no-binary={name}" for name in built)]
+    environment = os.environ | {"MACOSX_DEPLOYMENT_TARGET": "15.0"}
+    lock = ["--require-hashes", "--requirements", "locks/requirements.lock"]
+    for packages in (lock, ["--requirements", "pyproject.toml", "--extra", "all"]):
+        command = ["uv", "pip", "install", "--dry-run", "--target", tmp_path, *asked, *packages]
+        done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
 
 
 def test_the_solver_needs_six_packages(installed, handout):

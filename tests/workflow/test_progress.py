@@ -2,7 +2,9 @@
 
 import io
 import logging
+import os
 import re
+import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
@@ -70,6 +72,20 @@ def test_cells_are_counted_for_who_waits():
     with counting("sweep", file=silent):
         count(3)
     assert not silent.getvalue()
+
+
+def test_a_job_that_counts_leaves_no_semaphore_behind():
+    """It ends by os._exit; processes that are not forked keep those that they named."""
+    code = """if True:
+        import multiprocessing, os
+        multiprocessing.set_start_method("spawn")
+        from snapmap.files.counting import counting
+        with counting("", file=open(os.devnull, "w"), disable=False):
+            os._exit(0)"""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_where_nothing_is_to_be_run_a_function_is_called():

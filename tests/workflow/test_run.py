@@ -15,19 +15,30 @@ from small_workflow import wait_for
 ROOT = Path(__file__).resolve().parents[2]
 
 # Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.
+MAKE_VENV = """
+echo "$venv" >>"$fakes/venvs"
+mkdir -p "$venv/bin"
+cp "$fakes/python3" "$venv/bin/python"
+echo '#!/bin/sh' >"$venv/bin/uv"
+chmod +x "$venv/bin/uv"
+if [ -f "$fakes/fault" ]; then . "$fakes/fault"; fi
+"""
+# A file beside it named `change` holds Python code that runs before what is asked.
 FAKE_PYTHON = f"""#!/bin/sh
-fakes='@fakes@'
+fakes='@fakes@' venv=$3
 case "$1 $2" in
-"-m venv")
-    echo "$4" >>"$fakes/venvs"
-    mkdir -p "$4/bin"
-    cp "$0" "$4/bin/python"
-    echo '#!/bin/sh' >"$4/bin/uv"
-    chmod +x "$4/bin/uv"
-    if [ -f "$fakes/fault" ]; then . "$fakes/fault"; fi ;;
-"-m pip") ;;
+"-m venv") {MAKE_VENV} ;;
+"-m pip") if [ "$5" = --target ]; then mkdir -p "$6/bin"; cp "$fakes/found" "$6/bin/uv"; fi ;;
+"-c "*)
+    shift
+    exec '{sys.executable}' -c "import sys; $(cat "$fakes/change"); exec(sys.argv.pop(1))" "$@" ;;
 *) exec '{sys.executable}' "$@" ;;
 esac
+"""
+FAKE_UV = f"""#!/bin/sh
+fakes='@fakes@'
+for venv; do :; done
+{MAKE_VENV}
 """
 
 LOCK = "locks/requirements.lock"
@@ -42,14 +53,18 @@ class Clone:
         (folder / "locks").mkdir(parents=True)
         shutil.copy(ROOT / "run", folder)
         (folder / LOCK).write_text("# nothing\n")
-        self.fake_python(FAKE_PYTHON.replace("@fakes@", str(self.fakes)))
-        path = f"{self.fakes}:{os.environ['PATH']}"
+        for name in ("python3", *(f"python3.{minor}" for minor in range(11, 15))):
+            self.fake(name, FAKE_PYTHON)
+        self.change("pass")
+        path = f"{self.fakes}:/usr/bin:/bin"
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
 
-    def fake_python(self, text):
-        for name in ("python3", "python3.13", "python3.12", "python3.11"):
-            (self.fakes / name).write_text(text)
-            (self.fakes / name).chmod(0o755)
+    def fake(self, name, text):
+        (self.fakes / name).write_text(text.replace("@fakes@", str(self.fakes)))
+        (self.fakes / name).chmod(0o755)
+
+    def change(self, python_code):
+        (self.fakes / "change").write_text(python_code)
 
     def fault(self, shell_code):
         (self.fakes / "fault").write_text(shell_code)
@@ -142,7 +157,7 @@ def test_a_read_only_clone_is_left_alone(clone, tmp_path):
     assert_in_cache(done, tmp_path)
 
 
-DISTURBED = """printf '#!/bin/sh\necho 1 >"%s/installs"\n' "$4" >"$4/bin/uv" """
+DISTURBED = """printf '#!/bin/sh\necho 1 >"%s/installs"\n' "$venv" >"$venv/bin/uv" """
 
 
 @pytest.mark.parametrize("fault", ["exit 1", DISTURBED])
@@ -158,7 +173,7 @@ def test_a_failed_install_is_reported_and_begun_again(clone, fault):
 def test_a_killed_install_is_begun_again(clone):
     clone.fault("sleep 60")
     process = clone.start("true", start_new_session=True)
-    assert wait_for((clone.fakes / "venvs").exists)
+    assert wait_for(lambda: (clone.fakes / "venvs").exists() and clone.venvs_made())
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     clone.fault("")
@@ -166,17 +181,37 @@ def test_a_killed_install_is_begun_again(clone):
     assert len(clone.venvs_made()) == 2
 
 
-def test_a_fault_is_one_line(clone):
-    too_old = "import sys; sys.version_info = (3, 10, 9); exec(sys.argv.pop(1))"
-    old = f"shift\nexec '{sys.executable}' -c '{too_old}' \"$@\""
-    no_venv = f'case "$2" in *ensurepip*) exit 1 ;; esac\nexec \'{sys.executable}\' "$@"'
+OLD, NEW = "sys.version_info = (3, 10, 9)", "sys.version_info = (3, 15, 0)"
+NO_VENV = "sys.modules.update(ensurepip=None)"  # Debian without python3-venv
+NEITHER = "sys.modules.update(ensurepip=None, pip=None)"
+
+
+@pytest.mark.parametrize("change", [OLD, NO_VENV, NEITHER])
+def test_a_fault_is_one_line(clone, change):
     runs = {"no command given": clone.run()}
-    for python, words in ((old, "3.11, 3.12 or 3.13"), (no_venv, "apt install python3-venv")):
-        clone.fake_python(f"#!/bin/sh\n{python}\n")
-        runs[words] = clone.run("true")
+    clone.change(change)
+    clone.fake("uv", "#!/bin/sh\necho no network >&2\nexit 1\n")
+    runs["apt install python3-venv (Debian, Ubuntu)"] = clone.run("true")
     for words, done in runs.items():
         (line,) = done.stderr.splitlines()
         assert (done.returncode, done.stdout) == (1, "") and words in line
+
+
+@pytest.mark.parametrize(("change", "name"), [(OLD, "found"), (NO_VENV, "found"), (NEITHER, "uv")])
+def test_uv_makes_the_venv_where_no_python_can(clone, change, name):
+    """One on PATH, or the one that pip brings."""
+    clone.change(change)
+    clone.fake(name, FAKE_UV)
+    done = clone.run("echo", "reached")
+    assert done.stdout == "reached\n" and "run: installing" in done.stderr
+    assert clone.venvs_made() == [str(clone.folder / ".venv")]
+
+
+def test_a_newer_python_than_was_tested_is_said_to_be_untested_and_taken(clone):
+    clone.change(NEW)
+    clone.fake("uv", "#!/bin/sh\nexit 1\n")
+    done = clone.run("echo", "reached")
+    assert done.stdout == "reached\n" and "is untested" in done.stderr.splitlines()[0]
 
 
 @pytest.mark.parametrize("lock", sorted(path.name for path in (ROOT / "locks").glob("*.lock")))

@@ -34,6 +34,7 @@ def draw_study(
     applications,
     folder,
     threads,
+    watch,
     stress_path="",
 ):
     """Draw the figures that every study has, in one job, as its start takes longer than a figure.
@@ -43,6 +44,7 @@ def draw_study(
     own_points: path and SHA-256 of a user's own points, and N of 1 g; or nothing
     applications: figures of applications and the files behind them, by the names of their folders
     folder: where figures are saved; threads: number of processes
+    watch: as of `run_rule`
     stress_path: path of the largest stresses, if beams have a strength
     """
     files = cube_path, threshold_path, stress_path
@@ -58,18 +60,21 @@ def draw_study(
     ]
     for name, (figures, paths) in applications.items():
         tasks.append(partial(attached()[name].draw, figures=figures, **paths))
-    side_by_side(tasks, threads)
+    side_by_side(tasks, threads, watch)
 
 
-def side_by_side(tasks, processes):
+def side_by_side(tasks, processes, watch):
     """Call tasks in forked processes, which share all imports but no open file."""
     if processes == 1 or sys.platform != "linux":  # elsewhere libraries do not outlive a fork
+        watch()
         for task in tasks:
             task()
         return
     fork = get_context("fork")
     with ProcessPoolExecutor(processes, fork, end_with, [os.getpid()]) as pool:
-        for done in [pool.submit(task) for task in tasks]:
+        called = [pool.submit(task) for task in tasks]
+        watch()
+        for done in called:
             done.result()
 
 

@@ -1,7 +1,7 @@
 """Hermite cubic elements on the half beam: the handout's discretisation."""
 
 from functools import cache
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
@@ -135,6 +135,6 @@ def _interpolate_tilt(elements):
         along = node / (2 * elements) - 0.5
         sin, cos = (sine(mu * along / (2 * pi) + turn) for turn in (0, 0.25))
         # sin(mu/2) = tan(mu/2) cos(mu/2), and cos(mu/2) is negative.
-        half = -tangent / (1 + tangent * tangent) ** 0.5
+        half = -tangent / sqrt(1 + tangent * tangent)
         nodal += [sin / half - 2 * along, mu * cos / half - 2]
     return mu / (4 * pi) * np.delete(np.array(nodal), [0, 1, ANTISYMMETRIC])

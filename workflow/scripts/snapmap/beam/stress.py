@@ -13,6 +13,9 @@ from ..numerics.linalg import apply, multiply, outer, solve
 from .basis import Basis
 from .modal import halfway, unit_beams
 
+DECIMALS = 9
+"""Of probabilities, so that every machine has the same."""
+
 
 class Stress(NamedTuple):
     """Stress at the PLACES of a beam, for n coordinates u from its shape at rest.
@@ -48,7 +51,7 @@ def break_probability(device: Device, stress: np.ndarray) -> np.ndarray:
     # ASSUME: the largest stress alone decides, not how much of the beam bears it.
     over = np.maximum(stress - device.strength_threshold, 0.0) / device.strength
     with np.errstate(over="ignore"):
-        return -np.expm1(-(over**device.strength_modulus))
+        return np.round(-np.expm1(-(over**device.strength_modulus)), DECIMALS)
 
 
 def stress_of(beam: Beam, basis: Basis, shapes: np.ndarray) -> Stress:

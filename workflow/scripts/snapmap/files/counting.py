@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import RLock
 
 _listeners: list[Callable[[int], object]] = []
 
@@ -25,8 +26,12 @@ def counting(what: str, **options) -> Iterator[None]:
         yield
         return
 
-    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
-    with tqdm(desc=what, **usual | options) as line:
+    class Line(tqdm):
+        _lock = RLock()  # between threads: tqdm's own, between processes, outlives a job's os._exit
+        monitor_interval = 0  # no thread, which would not outlive a fork
+
+    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None, "miniters": 1}
+    with Line(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:
             yield

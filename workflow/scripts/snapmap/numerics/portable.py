@@ -1,12 +1,14 @@
 """A sine and spaced values that are the same on every machine, whatever its libraries."""
 
 from decimal import Context, Decimal
-from math import copysign, factorial, pi
+from math import copysign, factorial, ldexp, pi
 
 import numpy as np
 
 SERIES = tuple((-1) ** n / factorial(2 * n + 1) for n in range(11, -1, -1))
 """Taylor coefficients of sin, highest power first; the next term is below 1e-20 up to pi/2."""
+ROOTS = 1.0, 1.189207115002721, 1.4142135623730951, 1.681792830507429
+"""2^(n/4), n from 0 to 3."""
 _EXACT = Context(prec=40, traps=[])
 
 
@@ -25,6 +27,11 @@ def sine_of_rest(rest: float) -> float:
     for coefficient in SERIES:
         total = total * square + coefficient
     return angle * total
+
+
+def quarters(n: int) -> float:
+    """Return 2^(n/4)."""
+    return ldexp(ROOTS[n % 4], n // 4)
 
 
 def linear(start: float, stop: float, points: int) -> np.ndarray:

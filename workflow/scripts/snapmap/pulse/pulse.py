@@ -144,8 +144,8 @@ class Pulse:
         length = np.diff(begin, append=1.0)
         lines = length * (value + lift + slope * length / 2)
         phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
-        turned = phase * length
-        waves = (swing * (1 - np.cos(turned)) - lift * np.sin(turned)) / phase
+        sine, cosine = (np.vectorize(portable.sine)(turns * length + turn) for turn in (0.0, 0.25))
+        waves = (swing * (1 - cosine) - lift * sine) / phase
         return lines + np.where(turns > 0, waves, 0.0)
 
     @cached_property
@@ -198,7 +198,8 @@ class Pulse:
         _, _, slope, turns, lift, swing = self.pieces.T
         if any(self.ends):
             return np.inf
-        return float(np.max(abs(slope) + 2 * np.pi * turns * np.hypot(lift, swing)) / np.pi)
+        waves = 2 * np.pi * turns * np.sqrt(lift * lift + swing * swing)
+        return float(np.max(abs(slope) + waves) / np.pi)
 
     def at(self, x: np.ndarray) -> np.ndarray:
         """Return acceleration over peak at x, in the shape of x; 0 outside 0 to 1."""

@@ -1,5 +1,6 @@
 """Models of a device or a batch, by name: each follows cells and returns observations."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -149,7 +150,7 @@ class Model:
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
-            model = self.with_step(0.5**halvings) if halvings else self
+            model = self.with_step(math.ldexp(1.0, -halvings)) if halvings else self
             observed.replace(left, model.follow_once(flat.take(left), settings))
             observed.halvings[left] = halvings
             left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
@@ -188,7 +189,7 @@ def deciders(
     """
     for number, halved in np.unique(decided[:, which], axis=1).T:
         alike = which[(decided[0, which] == number) & (decided[1, which] == halved)]
-        for mine, part in levels[number].with_step(0.5**halved).split(device[alike]):
+        for mine, part in levels[number].with_step(np.ldexp(1.0, -halved)).split(device[alike]):
             yield alike[mine], part
 
 

@@ -265,7 +265,7 @@ def refine(
 
 def lattice_size(tolerance: float) -> int:
     """Choose the number of lattice places from 2^n to 2^(n + 1), for steps within a tolerance."""
-    return 2 ** (1 - math.frexp(tolerance)[1])
+    return 1 << (1 - math.frexp(tolerance)[1])
 
 
 def place_of(N: np.ndarray, size: int, rounding: Callable = np.ceil) -> np.ndarray:

@@ -8,6 +8,7 @@ The search has five steps:
 5. Another time step and other models give the error bar (`compare`).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -58,7 +59,7 @@ CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
 OPEN_BAR = 10 * RAGGED_STEP
 """Largest relative bar of a ragged row whose changes are refined. Also how far below a clean
 threshold the finest model is asked for islands."""
-STEP_RATIO = 2.0**0.5
+STEP_RATIO = math.sqrt(2.0)
 """Factor on the deciding time step, of the runs that show its error: as that is of second order,
 it doubles, and the difference is the error itself."""
 AGREEMENTS = 4
@@ -609,11 +610,11 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
     distances = np.where(np.isnan(N_first), np.nan, np.inf)
     reach = np.full(N_first.size, tolerance / 4)
     while (left := np.flatnonzero(np.isinf(distances) & (reach < MAX_DISTANCE))).size:
-        doubled = np.multiply.outer(reach[left], 2.0 ** np.arange(AGREEMENTS))
+        doubled = np.ldexp(reach[left, np.newaxis], np.arange(AGREEMENTS))
         other = differ(left, np.minimum(doubled, MAX_DISTANCE))
         passed = np.where(other.any(axis=1), AGREEMENTS - np.argmax(other[:, ::-1], axis=1), 0)
         distances[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
-        reach[left] *= 2.0**passed
+        reach[left] = np.ldexp(reach[left], passed)
     near = np.flatnonzero(np.isfinite(distances))
     same = ~differ(near, np.multiply.outer(reach[near], [7 / 8, 6 / 8, 5 / 8]))
     distances[near] *= 1 - np.logical_and.accumulate(same, axis=1).sum(axis=1) / 8

@@ -9,6 +9,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from functools import partial
 from pathlib import Path
 from threading import Thread
 
@@ -18,9 +19,9 @@ from .made import FOLDER, hold_to_list
 
 RUN = "SNAPMAP_RUN"
 """Name of the environment variable with the process number of a job's run."""
-SHELL_PREFIX = f"trap '' INT; {RUN}=$PPID exec "
+SHELL_PREFIX = f"trap '' INT; OPENBLAS_NUM_THREADS=1 {RUN}=$PPID exec "
 """Prefix of a job's command, which makes the run its parent. The job ignores Ctrl-C, as it might
-answer with a traceback while it imports; the run ends it."""
+answer with a traceback while it imports; the run ends it. No job needs threads of BLAS."""
 LOOK_AROUND = 1.0
 """Seconds after which a job checks again whether its run still exists."""
 
@@ -32,6 +33,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
         inputs and outputs; `path`, the first output, and its `folder`; the number of `threads`
     code_of: gives the hash of the code by what it does; it must be the plan's, before and after
     study_of: makes `study` of the run's config and threads
+    A function that takes `watch` calls it once it has forked, as no thread outlives a fork.
     """
     first = Path(job.output[0])
     threads = max(1, job.threads)
@@ -40,7 +42,11 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
     for name, files in [*job.input.items(), *job.output.items()]:
         values[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
     wanted = inspect.signature(function).parameters
-    end_with(int(os.environ[RUN]))
+    watch = partial(end_with, int(os.environ[RUN]))
+    if "watch" in wanted:
+        values["watch"] = watch
+    else:
+        watch()
     with job_log(job.log[0]), _counted(job.log[0]):
         hold_to_plan(code_of())
         hold_to_list(FOLDER, job.input)

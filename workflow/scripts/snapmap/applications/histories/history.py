@@ -166,7 +166,7 @@ def _cell(study, N, f0, C):
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     observed = model.follow(cells, moved)
-    return model.with_step(0.5 ** observed.halvings.item()), cells, observed
+    return model.with_step(math.ldexp(1.0, -observed.halvings.item())), cells, observed
 
 
 def _record(built, cells, settings, samples):
@@ -179,7 +179,7 @@ def _record(built, cells, settings, samples):
     dt = built.time_steps(cells, settings._replace(until="moved")).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
-    stride = 2 ** max(0, math.floor(math.log2(max(1, steps / samples))))
+    stride = 1 << (max(1, int(steps / samples)).bit_length() - 1)
     shock, device, first = cells.pulses[0], built.device, built.barrier.first
     start = settings.start
     form, motions = record(built, shock, amplitude, per_us, damping, dt, steps, start)

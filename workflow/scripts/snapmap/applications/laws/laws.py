@@ -18,6 +18,7 @@ from ...study.variables import dress
 from ...thresholds.search import asker, lowest_snap
 from ...thresholds.slow import HOLDS
 
+LN_10 = 2.302585092994046
 ABOVE, EXACT = geometric(1e-4, 1e-8, 9), 1e-10
 """Distances above a threshold at which snaps are timed, and the tolerance of the threshold; both
 relative."""
@@ -75,7 +76,7 @@ def _snap_scales(study, device, pulse, thresholds):
     exact = lowest_snap(model, rows, (N - off, N + off), study.settings, EXACT, STEP)
     t_snap = asker(model, rows, study.settings)(np.multiply.outer(exact, 1 + ABOVE))
     away = (np.arange(ABOVE.size) - (ABOVE.size - 1) / 2) / 2  # decades
-    scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * np.log(10))
+    scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * LN_10)
     return scales.reshape(thresholds.C.size, -1)
 
 

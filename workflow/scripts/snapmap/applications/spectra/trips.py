@@ -6,6 +6,7 @@ from typing import Unpack
 import numpy as np
 import xarray as xr
 
+from ...numerics.portable import quarters
 from ...pulse.pulse import DIRECTIONS, G, Pulse
 from ...solver.adaptive import choose_survey
 from ...solver.cells import Rows, to_rows
@@ -22,7 +23,7 @@ from .psd import Records
 from .srs import Levels, check_points, draw_seconds, record
 
 RECORDS, SEED = 8, 1
-FACTORS = tuple(2.0 ** (n / 4) for n in range(-8, 9))
+FACTORS = tuple(quarters(n) for n in range(-8, 9))
 """Factors of the spectrum at which its records are followed: from 12 dB below to 12 dB above."""
 PER_RECORD = 120
 """Time that a record takes, over that of a run as forecast: 12 levels, each ten times as long."""
