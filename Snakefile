@@ -17,9 +17,10 @@ clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
 # Jobs inherit these, and import no module from the folder of the study or from another clone.
-paths = [str(scripts), *filter(None, [os.environ.get("PYTHONPATH")])]
-os.environ.update(PYTHONDONTWRITEBYTECODE="1", PYTHONSAFEPATH="1")
-os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+paths = [str(scripts), *filter(None, [os.getenv("PYTHONPATH")])]
+os.environ.update(
+    PYTHONPATH=os.pathsep.join(paths), PYTHONDONTWRITEBYTECODE="1", PYTHONSAFEPATH="1"
+)
 from snapmap.files.atomic import hold, refuse_others, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.made import (

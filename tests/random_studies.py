@@ -6,7 +6,7 @@ import yaml
 
 from snapmap.applications import functions, gather
 from snapmap.config.study import load_config
-from snapmap.workflow.command import _costs
+from snapmap.workflow.forecast import search_seconds
 from snapmap.workflow.plan import make_plan
 
 MOST_SECONDS = 15
@@ -50,7 +50,8 @@ def random_study(seed):
 
 def _seconds(study):
     asked = study.grid, study.model, study.settings, gather("alone", study), functions("observing")
-    return 3 * make_plan(*asked).seconds + sum(_costs(study).values())
+    searches = search_seconds(study.of_thresholds(), study.grid)
+    return 3 * make_plan(*asked).seconds + searches + sum(gather("cost", study).values())
 
 
 class Drawn:

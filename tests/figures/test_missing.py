@@ -37,7 +37,8 @@ REQUIRED = [
 SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
 ROW = {"requirement": "crash", "must_snap": True, "verdict": "failed", "start": "first"}
 ROW |= {"device": "", "shape": "sine", "direction": "+z", "temperature": 20.0, "C": 25.0}
-ROW |= {"margin": 1.2, "margin_error": 0.1, "break_probability": 0.0, "must_survive": 0.9}
+ROW |= {"end": "stays", "share_staying": 1.0, "margin": 1.2, "margin_error": 0.1}
+ROW |= {"break_probability": 0.0, "must_survive": 0.9}
 VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
 
 

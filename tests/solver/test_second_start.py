@@ -122,7 +122,7 @@ def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout
     there = snapmap.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
     assert json.loads(edges.attrs["config"])["sweep"]["start"] == "second"
     assert "start" not in json.loads(there.attrs["config"])["sweep"]
-    shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": True, "N": 45.0}
+    shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": "arrives", "N": 45.0}
     study = Study(device=device, model={"name": "cosines", "modes": 3})
     asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]
     assert [line.verdict for line in check(study, asked, [0.0])] == ["failed", "met"]

@@ -23,7 +23,7 @@ class Files(list):
 
 os.environ[RUN] = str(os.getppid())
 job = {"wildcards": {}, "params": {}, "input": Files(), "output": Files(["made"])}
-run_rule(lambda: time.sleep(600), SimpleNamespace(**job, threads=1, log=["log"]))
+run_rule(lambda: time.sleep(600), SimpleNamespace(**job, threads=1, log=["log"]), dict)
 """
 
 

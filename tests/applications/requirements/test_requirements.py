@@ -121,7 +121,7 @@ def test_the_worst_corner_is_in_front():
     row |= {"verdict": "met", "must_snap": "any", "margin": 0.1}
     row |= {"strength_margin": 0.2, "closing_margin": 1.5}
     for must_survive, reserve in ((0.0, 1.5), (0.999, 0.2), (np.nan, 1.5)):
-        assert badness(row | {"must_survive": must_survive}) == (0, -reserve)
+        assert badness(row | {"must_survive": must_survive}) == (0, 0.0, -reserve)
 
 
 @pytest.fixture

@@ -150,8 +150,8 @@ def choose_curves(
 
 
 def choose_boundary(grid: Grid, nominal: Device) -> tuple[View, ...]:
-    """Choose the figure of the damage boundary; there is none for a device pushed by a force."""
-    if np.any(grid.device.force):
+    """Choose the figure of the damage boundary: none of a single duration, or pushed by a force."""
+    if np.any(grid.device.force) or grid.axes["f0"].size == 1:
         return ()
     view = _view(grid, nominal, "thresholds", "f0", _lines(grid, [], "f0"), {})
     return (view._replace(name="damage_boundary"),)

@@ -13,7 +13,7 @@ from ..applications import functions, gather
 from ..config.study import Config
 from ..solver.adaptive import choose_model, choose_survey
 from ..solver.cost import steps_and_seconds
-from ..study.axes import NAMES, rows_of
+from ..study.axes import NAMES, Grid, rows_of
 from ..sweeps.grid import follow_rows
 from ..thresholds.cost import survey_seconds
 from ..thresholds.surface import split_rows, thresholds_of
@@ -31,7 +31,7 @@ def forecast(study: Config) -> dict[str, float]:
     searching = study.of_thresholds()
     with warnings.catch_warnings(action="ignore"):
         cells, _ = _scaled(study, _cell_seconds, _follow, OF_CELLS)
-        thresholds, factor = _scaled(searching, _search_seconds, _search, OF_THRESHOLDS)
+        thresholds, factor = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
     others = {name: factor * seconds for name, seconds in gather("cost", study).items()}
     return {"cells": cells, "thresholds": thresholds, **others}
 
@@ -90,7 +90,8 @@ def _follow(study, axes):
     follow_rows(built, rows_of(grid), study.axes["N"], study.settings, functions("observe"))
 
 
-def _search_seconds(study, grid):
+def search_seconds(study: Config, grid: Grid) -> float:
+    """Estimate the core time of the thresholds of a grid, without what each call takes, s."""
     models = choose_survey(grid.device, study.model, study.settings.start)
     rows = rows_of(grid)
     _, searched = split_rows(grid, rows)

@@ -82,7 +82,7 @@ def _open_window(ax, data, x, y, units):
 def _fill_window(ax, grid, reserve, least):
     """Fill the regions that meet all requirements and that do not; unknown regions are hatched."""
     if np.isnan(least).any():
-        ax.patch.set(**plane.ABSENT)
+        ax.patch.set(**plane.HATCHES["absent"])
     ax.contourf(*grid, least, [0, FAR], colors=[MEETING["color"]])
     for field in reserve:  # each by itself, as the least of two is cut off where they cross
         failing = np.where(np.isnan(least), np.nan, field)
@@ -116,7 +116,7 @@ def _window_keys(data, reserve, least):
     if (known < 1).any():
         yield Patch(**FAILING)
     if known.size < least.size:
-        yield Patch(facecolor="white", **plane.ABSENT, label="no device, or not known")
+        yield Patch(facecolor="white", **plane.HATCHES["absent"], label="no device, or not known")
 
 
 def _about(data, reserve):
