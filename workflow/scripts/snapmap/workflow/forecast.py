@@ -30,14 +30,13 @@ def forecast(study: Config) -> dict[str, float]:
     """Forecast the core time of cells, thresholds, and what applications make, s, by name."""
     searching = study.of_thresholds()
     with warnings.catch_warnings(action="ignore"):
-        cells, _ = _scaled(study, _cell_seconds, _follow, OF_CELLS)
-        thresholds, factor = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
-    others = {name: factor * seconds for name, seconds in gather("cost", study).items()}
-    return {"cells": cells, "thresholds": thresholds, **others}
+        cells = _scaled(study, _cell_seconds, _follow, OF_CELLS)
+        thresholds = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
+    return {"cells": cells, "thresholds": thresholds, **gather("cost", study)}
 
 
 def _scaled(study, expected, do, sample):
-    """Time two samples of a study; returns the forecast for all, s, and its ratio to the formula.
+    """Time two samples of a study; returns the forecast for all of it, s.
 
     expected: the formula, for the rows of a grid, s; do: follows axes of a study
     sample: core time of the larger sample by the formula, s
@@ -54,11 +53,11 @@ def _scaled(study, expected, do, sample):
     smaller = _thinned(larger)
     total, seconds, fewer = map(by_formula, (axes, larger, smaller))
     if seconds > MOST * sample:
-        return total, 1.0
+        return total
     do(study, smaller)  # compiles kernels
     short, long = (_timed(do, study, points) for points in (smaller, larger))
     factor = max(long - short, 0.0) / (seconds - fewer) if seconds > fewer else long / seconds
-    return long + factor * (total - seconds), factor
+    return long + factor * (total - seconds)
 
 
 def _thinned(axes):

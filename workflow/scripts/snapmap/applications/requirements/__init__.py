@@ -71,6 +71,14 @@ def marks(study):
         yield required["name"], required["f0"], required["N"], pushed
 
 
+def cost(study):
+    """Approximate core time of the verdicts on shocks, s."""
+    from .forecast import judged_seconds
+
+    where = study.axes["C"].tolist(), study.temperatures
+    return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
+
+
 def outputs(study):
     """The table of verdicts."""
     required = study.requests["requirements"]

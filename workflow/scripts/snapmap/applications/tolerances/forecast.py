@@ -37,11 +37,13 @@ def made_seconds(
         for required in requirements:
             shock = to_rows(0, required["f0"], axes["C"], 0, required["shocks"].pulses)
             settings = of_requirement(study, required).settings
-            seconds += _of_rows(model, shock, settings, tolerances.samples)
-            if required["snaps"] is True:
-                cells = shock.cells(model.device, required["N"], settings.horizon)
-                _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
-                seconds += tolerances.samples * float(to_end.sum())
+            cells = shock.cells(model.device, required["N"], settings.horizon)
+            _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
+            _, moving = steps_and_seconds(model, cells, settings._replace(until="moved"))
+            of_sample = (required["snaps"] is True) * to_end + (device.strength < np.inf) * moving
+            judged = _of_rows(model, shock, settings, tolerances.samples)
+            judged += tolerances.samples * float(of_sample.sum())
+            seconds += judged * len(axes.get("temperature", [0]))
     return seconds
 
 

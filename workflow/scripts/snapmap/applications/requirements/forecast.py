@@ -1,0 +1,36 @@
+"""A forecast of the core time of verdicts on shocks; vibration and spectra are left out."""
+
+from collections.abc import Mapping, Sequence
+
+from ...solver.adaptive import choose_survey
+from ...solver.cost import steps_and_seconds
+from ...study.axes import rows_of
+from ...study.study import Study
+from ...thresholds.cost import survey_seconds
+from .check import each_device
+
+RUNS = 42
+"""Number of runs of a required shock to its end, near N."""
+PER_VERDICT = 0.3
+"""Core time of a verdict without these runs and its threshold, s: most of it takes the history."""
+
+
+def judged_seconds(
+    study: Study,
+    required: Sequence[Mapping],
+    C: Sequence[float],
+    temperatures: Sequence[float] = (),
+) -> float:
+    """Forecast the core time of the verdicts on shocks, s; arguments as those of `check`.
+
+    If one fails, the search for changes that meet it takes as long again, or longer.
+    """
+    seconds = 0.0
+    for shock, _, shaken in each_device(study, required, temperatures):
+        grid, settings = shaken.set_out({"C": C, "f0": [shock["f0"]]}), shaken.settings
+        models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
+        cells = rows.cells(grid.device, shock["N"], settings.horizon)
+        to_end = settings._replace(until="settled")
+        seconds += PER_VERDICT * rows.f0.size + survey_seconds(models, rows, settings)
+        seconds += RUNS * float(steps_and_seconds(models.decides, cells, to_end)[1].sum())
+    return seconds
