@@ -24,7 +24,7 @@ CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thre
 SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""
-MOST_LINES = {"core": 10_500, "shell": 4_350, "application": 910}
+MOST_LINES = {"core": 10_500, "shell": 4_350, "application": 950}
 
 
 def room_of(path, package):
