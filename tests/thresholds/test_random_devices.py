@@ -81,6 +81,6 @@ def test_rows_too_slow_to_judge_are_counted(monkeypatch):
 
     assert not left_out(False).any()
     some = left_out(True)
-    assert 0 < some.mean() < 0.4 and some[:, 0].sum() > some[:, -1].sum()
+    assert 0 < some.mean() < 0.5 and some[:, 0].sum() > some[:, -1].sum()
     monkeypatch.setattr(coverage, "MOST_STEPS", np.inf)
     assert not left_out(True).any()
