@@ -51,7 +51,7 @@ def test_a_window_ends_where_a_design_does(handout, met):
     assert {*met.coords} == {"requirement", "thickness", "C", "bound"}
     points = int((met.reserve.min("requirement") >= 1).sum())
     line = summary(met, {"thickness": ("mm", 1e3), "C": ("uN*us/um", 1.0)})
-    assert f"met at {points} of 12 points" in line and " mm, C = " in line
+    assert f"requirements at {points} of 12 points" in line and " mm, C = " in line
 
 
 def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
@@ -105,13 +105,13 @@ def test_a_line_says_what_lies_between_points():
     data = {"reserve": (over, reserve), "yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
     window = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
     line = summary(window, {"mass": ("mg", 2.0)})
-    assert line.startswith("all requirements met at 2 of 6 points, ")
+    assert line.startswith("thresholds on the right side of all requirements at 2 of 6 points, ")
     assert share(line) == pytest.approx(0.75**2, abs=0.03)
     assert line.endswith("a factor of 1.15, is at mass = 0.5 mg, C = 10.75 uN*us/um, yield 65.0%")
     # From x = 1.4 to 1.6 of 1 to 3.
     band = np.array([1 + (1.6 - x) / 10, 1 + (x - 1.4) / 10])[..., np.newaxis].repeat(2, axis=2)
     line = summary(window.assign(reserve=(over, band)), {})
-    assert line.startswith("all requirements met at 0 of 6 points, ")
+    assert line.startswith("thresholds on the right side of all requirements at 0 of 6 points, ")
     assert share(line) == pytest.approx(0.1, abs=0.03)
 
 

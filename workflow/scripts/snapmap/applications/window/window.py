@@ -148,7 +148,7 @@ def summary(window: xr.Dataset, units: Units) -> str:
     window = window.squeeze([key for key in window.reserve.dims[1:] if window.sizes[key] == 1])
     axes, reserve = window.reserve.dims[1:], window.reserve.values
     met, least = least_reserve(reserve) >= 1, least_reserve(reserves_between(reserve))
-    words = f"all requirements met at {met.sum()} of {met.size} points"
+    words = f"thresholds on the right side of all requirements at {met.sum()} of {met.size} points"
     if not np.isfinite(least).any():
         return f"{words}; nothing else is known"
     share = np.mean(least >= 1)
