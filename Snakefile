@@ -25,6 +25,7 @@ from snapmap.files.atomic import hold, refuse_others, remove_leftovers
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.made import (
     find_others,
+    forget,
     hash_of,
     list_made,
     mend_times,
@@ -32,7 +33,7 @@ from snapmap.workflow.made import (
     say_why,
 )
 from snapmap.files.named import hold_to_plan, plan_with
-from snapmap.workflow.progress import Idle, Progress, hush
+from snapmap.workflow.progress import CELLS, Idle, Progress, hush
 from snapmap.study.provenance import (
     NUMBERS,
     code_hash,
@@ -122,6 +123,10 @@ onstart:
     remove_leftovers("results")
     for line in filter(None, [*descriptions(study), study.left_out, *warnings]):
         print(line, file=sys.stderr)
+    running = list(workflow.dag.needrun_jobs())
+    forget("results", {str(path) for job in running for path in job.output})
+    simulated = {job.wildcards.slab for job in running if job.rule.name == CELLS}
+    progress.cells = {name: cells_in(slabs[name]) for name in simulated or new}
     missing, cells = sum(progress.cells.values()), sum(map(cells_in, plan.slabs))
     if missing < cells:
         print(
@@ -138,10 +143,12 @@ onstart:
 
 onerror:
     progress.close()
+    list_finished()
 
 
 onsuccess:
     progress.close()
+    list_finished()
     remove_old_products()
     logs = {job.rule.name: job.log[0] for job in jobs.values() if job.log}
     for log in [logs[rule] for rule in SUMMARIZED if rule in logs]:

@@ -24,7 +24,7 @@ from jobs import collect
 folder, axes, cube = sys.argv[1:]
 document = {"sweep": {"horizon": "1 us"}, "model": {"name": "cosines"}}
 study = SimpleNamespace(axes=dict(np.load(axes)), document=lambda: document)
-collect(study, sorted(Path(folder).glob("*.nc")), cube)
+collect(study, sorted(Path(folder).glob("*.nc")), cube, "of no code")
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """
 
@@ -41,7 +41,7 @@ def test_collecting_takes_less_than_a_gibibyte(root, tmp_path):
     for number, C in enumerate(AXES["C"]):
         slab = AXES | {"C": np.array([C])}
         with netCDF4.Dataset(tmp_path / f"{number:012x}.nc", "w") as file:
-            file.slab = f"{number:012x}"
+            file.slab, file.code = f"{number:012x}", "of no code"
             for axis, points in slab.items():
                 file.createDimension(axis, len(points))
                 file.createVariable(axis, "f8", (axis,))[:] = points

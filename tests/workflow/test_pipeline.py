@@ -287,6 +287,16 @@ def test_what_no_run_has_listed_or_what_has_changed_since_is_made_again(clone, c
     assert f"(unknown to results/{LIST})" in output
 
 
+@pytest.mark.long
+def test_a_quiet_run_lists_what_it_makes(root, tmp_path):
+    """With --quiet, Snakemake announces no job as it ends; the next jobs read what is new."""
+    (config := tmp_path / "mine.yaml").write_text(TINY)
+    for text in (TINY, TINY.replace("1.9 um", "1.7 um")):
+        config.write_text(text)
+        snakemake(root, tmp_path, config, "--quiet", cores="1")
+        assert "Nothing to be done" in snakemake(root, tmp_path, config, "--dry-run")[1]
+
+
 def test_without_snakemakes_metadata_another_study_is_seen(clone, finished, tmp_path):
     folder = shutil.copytree(finished[0], tmp_path / "study")
     for path in (folder / ".snakemake" / "metadata").iterdir():

@@ -17,6 +17,13 @@ def list_products(jobid):
         list_made("results", {path: made_from[path] for path in paths})
 
 
+def list_finished():
+    """List the products of all jobs that ran: with --quiet, none is announced as it ends."""
+    for jobid, job in jobs.items():
+        if workflow.dag.needrun(job) and workflow.dag.finished(job):
+            list_products(jobid)
+
+
 def remove_old_products():
     """Remove products of older configs; only a run of all results can tell which these are."""
     products = {str(path) for job in workflow.dag.jobs for path in job.output}

@@ -43,6 +43,13 @@ def list_made(folder: str, files: Mapping[str, str]) -> None:
     _write(folder, _read(folder) | made)
 
 
+def forget(folder: str, files: Collection[str]) -> None:
+    """Take files that are to be made again off the folder's list."""
+    listed = _read(folder)
+    if not listed.keys().isdisjoint(files):
+        _write(folder, {name: listed[name] for name in listed if name not in files})
+
+
 def find_others(folder: str, plan: Mapping[str, str]) -> list[str]:
     """Find the files of a plan that are there, but not as it would make them.
 
