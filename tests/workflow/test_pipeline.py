@@ -8,6 +8,7 @@ import subprocess
 import time
 import zipfile
 
+import psutil
 import pytest
 import xarray as xr
 import yaml
@@ -324,7 +325,8 @@ def test_an_interrupted_growth_loses_nothing_and_joins_no_other_code(clone, copi
     with subprocess.Popen(command, **pipe) as run:
         wait_for(log.exists)
         if ends == "killed":
-            run.kill()
+            for job in [run, *psutil.Process(run.pid).children(recursive=True)]:
+                job.kill()  # a job that outlives its run may still end well
         else:
             path.write_text(before + "EDITED = 1\n", encoding="utf-8")
         output = run.communicate(timeout=300)[0]
