@@ -25,6 +25,7 @@ from snapmap.config.units import USUAL, by_pint, read, show
 from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import KINDS, bounds_of
+from snapmap.device.shape import TILT
 from snapmap.solver.settings import Settings
 from snapmap.study.provenance import device_sections
 
@@ -321,6 +322,79 @@ def test_a_file_outside_the_folder_of_the_study_is_refused(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path / "study")
     for marks in ("../points.csv", "sub/../../points.csv", str(tmp_path / "points.csv")):
         assert "lies outside the study's folder" in only_fault(changed(marks=marks))
+
+
+def write_shape(length=600.0, rise=10.0, points=50, tilt=0.0):
+    """A cosine from clamp to clamp, and a part in the first antisymmetric shape."""
+    s = np.linspace(-0.5, 0.5, points)
+    mu = 2 * np.pi * math.sqrt(TILT)
+    tilted = mu / (4 * np.pi) * (np.sin(mu * s) / np.sin(mu / 2) - 2 * s)
+    w = rise * (1 + np.cos(2 * np.pi * s)) / 2 + tilt * tilted
+    table = np.column_stack([length * (s + 0.5), w])
+    np.savetxt("shape.csv", table, delimiter=",", header="x (um),w (um)", comments="")
+
+
+MEASURED = {"device__beam__shape": {"file": "shape.csv"}}
+NEARLY = {"length": (541, 659), "rise": (9.01, 10.99), "points": (20,)}
+FAR_OFF = {
+    "length": {540: ".span: 600 um, where shape.csv has 540 um", 660: ".span: 600 um, where"},
+    "rise": {8.99: ".rise: 10 um, where shape.csv has 8.99 um", 11.01: ".rise: 10 um, where"},
+    "points": {19: ": shape.csv: has 19 points; write 20 or more"},
+}
+
+
+@pytest.mark.parametrize("key", NEARLY)
+def test_a_measured_shape_has_20_points_and_span_and_rise_of_the_config(tmp_path, monkeypatch, key):
+    """To a tenth, whether it lies as it was made or upside down."""
+    monkeypatch.chdir(tmp_path)
+    for value in NEARLY[key]:
+        write_shape(**{key: value})
+        beam = load_config(changed(**MEASURED)).device.beam
+        write_shape(**{"rise": 10.0, key: value} | {"rise": -(value if key == "rise" else 10.0)})
+        assert load_config(changed(**MEASURED)).device.beam == beam
+    for value, line in FAR_OFF[key].items():
+        write_shape(**{key: value})
+        assert only_fault(changed(**MEASURED)).startswith(f"device.beam{line}")
+
+
+def test_a_measured_tilt_is_the_imperfection_of_a_free_beam_unless_it_is_rounding(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    free = {"device__beam__guide": "free"}
+    for tilt in (-0.3, 1.1e-6):
+        write_shape(tilt=tilt)
+        made = load_config(changed(**MEASURED, **free)).device.beam.imperfection
+        assert made == pytest.approx(abs(tilt), rel=1e-3)
+        assert load_config(changed(**MEASURED)).device.beam.imperfection == 0.0
+        assert load_config(changed(**MEASURED, **FREE)).device.beam.imperfection == 0.01
+    write_shape(tilt=0.9e-6)
+    assert "imperfection: 0 um never tilts" in only_fault(changed(**MEASURED, **free))
+
+
+def test_a_shape_stands_above_its_clamps():
+    def shaped(*cosines):
+        return changed(device__beam__shape={"cosines": cosines})
+
+    for third, total in ((-1, 0), (-3, -2)):
+        line = f"device.beam.shape.cosines: the odd ones add up to {total}, not above 0"
+        assert only_fault(shaped(1, 0.1, third)) == line
+    beam = load_config(shaped(33, 2, -1)).device.beam
+    assert (beam.cosine_2, beam.cosine_3) == (0.0625, -0.03125)
+
+
+def test_of_many_maps_twelve_are_drawn_and_one_line_says_so():
+    def left_out(widths, **values):
+        axes = {"thickness": {"from": "1.9 um", "to": "2 um", "points": widths}}
+        axes["C"] = [f"{C} kg/s" for C in (1e-6, 2e-6, 3e-6)]
+        swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
+        study = load_config(changed(**swept, **values))
+        return study.left_out
+
+    assert left_out(4) == left_out(5, maps=[]) == ""
+    assert left_out(5) == (
+        "maps: 12 of 15 are drawn, evenly chosen over thickness, C; name those you want under maps"
+    )
 
 
 HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"

@@ -125,6 +125,41 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 
+OLD = ((1,), (2, 3), (4, 5), (6, 7), (8,))
+ADDED = (
+    *((0, ((0, 1), *OLD[1:])), (0.5, ((0.5, 1), *OLD[1:]))),
+    *((9, (*OLD[:4], (8, 9))), (16, (*OLD[:4], (8, 16))), (32, (*OLD, (32,)))),
+    *((1.5, ((1, 1.5), *OLD[1:])), (3.5, (*OLD[:1], (2,), (3, 3.5), *OLD[2:]))),
+    *((2.5, (*OLD[:1], (2, 2.5), (3,), *OLD[2:])), (5.5, (*OLD[:2], (4,), (5, 5.5), *OLD[3:]))),
+)
+
+
+@pytest.mark.parametrize(("value", "slabs"), ADDED)
+def test_an_added_value_extends_or_splits_only_the_slab_in_which_it_falls(
+    monkeypatch, value, slabs
+):
+    """Slabs of two cells at most, cut between octaves and their halves."""
+    monkeypatch.setattr("snapmap.workflow.plan.SLAB_CELLS", 2)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", np.inf)
+    values = [*range(1, 9)]
+    assert tuple(slab["N"] for slab in cut(study(values, [1000.0]))) == OLD
+    assert tuple(slab["N"] for slab in cut(study([*values, value], [1000.0]))) == slabs
+
+
+def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeypatch):
+    """Or else for its time; and with 1000 values of C, each of which makes a slab."""
+    monkeypatch.setattr("snapmap.workflow.plan.MOST_SECONDS", 0.0)
+    most = {"N": np.arange(1e6), "f0": np.arange(1e3, 1.1e4, 1e3), "C": np.arange(1e3)}
+    one = study([1], [1000])
+    grid = one.grid._replace(axes=one.grid.axes | most)
+    with pytest.raises(ValueError, match=r"^sweep\.f0: up to "):
+        make_plan(grid, one.model, one.settings)
+    grid.axes["N"] = np.arange(1e6 + 1)
+    line = r"^sweep: 1e\+10 cells, more than 1e\+10; write fewer points$"
+    with pytest.raises(ValueError, match=line):
+        make_plan(grid, one.model, one.settings)
+
+
 def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, followed):
     old, new = study(**{**WHOLE, "f0": WHOLE["f0"][::2]}), study(**WHOLE)
     paths, written = write_all(old, tmp_path, "one")

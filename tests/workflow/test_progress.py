@@ -13,7 +13,7 @@ from snakemake.common import NOTHING_TO_BE_DONE_MSG
 
 from snapmap.files.counting import count, counting
 from snapmap.workflow.job_log import count_path
-from snapmap.workflow.progress import Idle, Progress, hush
+from snapmap.workflow.progress import STOPPED, STOPPING, Idle, Progress, hush
 
 
 def record(event=None, level=logging.INFO, **facts):
@@ -104,3 +104,12 @@ def test_faults_are_not_hushed():
     assert handler.filter(record("job_error", logging.ERROR))
     wrapped = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
     assert not handler.filter(record("error", logging.ERROR, msg=wrapped))
+
+
+def test_a_run_that_is_stopped_twice_says_so_once_and_nothing_more(capsys):
+    handler = logging.StreamHandler(io.StringIO())
+    hush(handler)
+    for _ in range(2):
+        assert not handler.filter(record(level=logging.WARNING, msg=f"{STOPPING}."))
+        assert not handler.filter(record("job_error", logging.ERROR))
+    assert capsys.readouterr().err == f"{STOPPED}\n"
