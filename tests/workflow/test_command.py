@@ -43,7 +43,7 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
-    for what in ("cells", "thresholds", *gather("cost", study)):
+    for what in ("cells", "thresholds", *gather("cost", study), "figures"):
         assert re.search(rf"[:,] {what} [0-9.]+ (s|min|h)", costs)
 
 

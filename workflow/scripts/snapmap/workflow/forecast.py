@@ -9,7 +9,7 @@ import warnings
 
 import numpy as np
 
-from ..applications import functions, gather
+from ..applications import attached, functions, gather
 from ..config.study import Config
 from ..solver.adaptive import choose_model, choose_survey
 from ..solver.cost import steps_and_seconds
@@ -17,11 +17,14 @@ from ..study.axes import NAMES, Grid, rows_of
 from ..sweeps.grid import follow_rows
 from ..thresholds.cost import survey_seconds
 from ..thresholds.surface import split_rows, thresholds_of
+from .products import choose_views
 
 OF_CELLS, OF_THRESHOLDS = 0.1, 0.6
 """Core time of a sample by the formulas, s."""
 MOST = 4
 """Factor on this, above which a sample of single points is not followed."""
+FIGURE = 0.5
+"""Core time of a figure, s; 0.4 to 0.7 were measured."""
 VERIFIED = 0.25
 """Time to verify a threshold on a surface over that to search one."""
 
@@ -32,7 +35,19 @@ def forecast(study: Config) -> dict[str, float]:
     with warnings.catch_warnings(action="ignore"):
         cells = _scaled(study, _cell_seconds, _follow, OF_CELLS)
         thresholds = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
-    return {"cells": cells, "thresholds": thresholds, **gather("cost", study)}
+    drawn = FIGURE * count_figures(study)
+    return {"cells": cells, "thresholds": thresholds, **gather("cost", study), "figures": drawn}
+
+
+def count_figures(study: Config) -> int:
+    """Count the figures of a study, the page among them."""
+    made = gather("outputs", study)
+    of_applications = [
+        figures
+        for name, figures in gather("figures", study).items()
+        if name in made or hasattr(attached()[name], "drawn_from")
+    ]
+    return sum(map(len, [*choose_views(study).stems.values(), *of_applications]))
 
 
 def _scaled(study, expected, do, sample):
