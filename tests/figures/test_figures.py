@@ -10,6 +10,7 @@ from pathlib import Path
 import draw
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
 from PIL import Image
 from small_results import ATTRIBUTES, CONFIG, TINY, artists, drawn, make_found, visible
@@ -33,6 +34,20 @@ pytestmark = pytest.mark.usefixtures("paper")
 )
 def test_edges_lie_midway_and_surround_a_lone_value(key, values, edges):
     assert scales.scale_of(key, np.array(values)).edges == pytest.approx(edges)
+
+
+@pytest.mark.parametrize(("values", "ends"), [(7, (0.5, 7.5)), (8, (1.0, 8.0)), (9, (1.0, 9.0))])
+def test_an_axis_of_eight_values_or_more_ends_at_the_first_and_the_last(values, ends):
+    ax = style.single_column(height=3).subplots()
+    scales.set_scale(ax, "x", scales.scale_of("N", np.arange(1.0, values + 1)))
+    assert ax.get_xlim() == ends
+
+
+def test_numbers_and_directions_have_a_minus_sign_and_names_keep_their_hyphen():
+    assert [scales.number(value) for value in (-0.25, 0.25, "a-b")] == ["−0.25", "0.25", "a-b"]
+    assert scales.number(-12_000.0) == "−12\u2009000"
+    texts = [scales.value_text("direction", "-z"), scales.value_text("shape", "a-b")]
+    assert texts == ["along −z", "a-b"]
 
 
 def test_figures_over_durations_are_those_over_frequencies():
@@ -75,6 +90,39 @@ def test_thresholds_are_the_data_dashed_and_hollow_where_late_and_approach_both_
     assert len(short) == 2
     unknown = make_found().assign(velocity_change=("C", [np.nan, np.nan]))
     assert not limits(drawn(thresholds.draw_thresholds, unknown), curves.SHORT)
+
+
+def test_late_stretches_reach_to_their_neighbours_and_leave_a_gap_between_them():
+    """A snap at the very end of the pulse is not late."""
+    f0, late = np.array([100.0, 200.0, 400.0, 800.0, 1600.0]), np.array([1, 0, 0, 0, 1])
+    found = {"N_first": f0 + 1, "N_error": 0 * f0, "t_snap": 1e6 / f0 + late}
+    curve = xr.Dataset({key: ("f0", values) for key, values in found.items()}, {"f0": f0})
+    ax = style.single_column(height=3).subplots()
+    curves.draw_curve(ax, f0, curve, "C0", "o")
+    solid, dashed = ax.lines[1:]
+    assert [x for x, _ in visible(solid)] == [200.0, 400.0, 800.0]
+    assert visible(dashed) == [[x, x + 1] for x in (100.0, 200.0, 800.0, 1600.0)]
+    assert dashed.get_markevery().tolist() == [True, False, False, False, True]
+    assert (dashed.get_marker(), dashed.get_markeredgewidth()) == ("o", 0.6)
+    assert dashed.get_label() == "threshold, snap after the pulse"
+
+
+def test_the_velocity_change_is_the_area_of_the_pulse_times_its_peak_and_duration():
+    """In m/s: N g area / f0, of N = 1000 at 100 Hz and 1e-5 um/us^2: 0.01 um/us^2 times 5 ms."""
+    changes = curves.velocity_change(make_found().isel(C=0))
+    np.testing.assert_allclose(changes, [50.0, 5.5, 1.0], rtol=1e-14)
+
+
+def test_crosses_of_lines_without_thresholds_stand_in_rows():
+    found = make_found()
+    ax = drawn(
+        thresholds.draw_thresholds, found.assign(N_first=found.N_first.where(found.f0 < 1e3))
+    )
+    rows = [line for line in ax.lines if line.get_marker() == "x"]
+    assert [line.get_color() for line in rows] == [look[0] for look in curves.LOOKS[:2]]
+    for line, height in zip(rows, (0.975, 0.945), strict=True):
+        assert line.get_xdata().tolist() == [1000.0, 10000.0]
+        assert line.get_ydata() == pytest.approx([height, height], rel=1e-14)
 
 
 @pytest.mark.parametrize(("static", "is_drawn"), [(990.0, False), (1001.0, True)])

@@ -197,6 +197,28 @@ def test_measured_points_are_filled_where_the_device_tripped(draw):
     assert [text.get_text() for text in ax.texts] == ["bench"]
 
 
+@pytest.mark.parametrize(("number", "named"), [(12, 12), (13, 0)])
+def test_at_most_twelve_points_have_names(number, named):
+    ax = snap_map(TINY, own_points=[Point(f"p{i}", 1000.0, 400.0, None) for i in range(number)])
+    assert [text.get_text() for text in ax.texts] == [f"p{i}" for i in range(named)]
+
+
+def test_points_and_shocks_stand_at_their_duration_where_that_is_the_axis():
+    """In ms: 400 Hz is 2.5 ms."""
+    ax = axes()
+    ax.set(xlim=(1.0, 5.0), ylim=(900.0, 1200.0))
+    plane.draw_points(ax, "duration", POINTS)
+    assert [line.get_xydata().tolist() for line in ax.lines] == [[[2.5, 1000]], [[1.25, 1100]]]
+    plane.number_shocks(ax, "duration", [("drop", 400.0, 1000.0, True)])
+    assert [text.xy[0] for text in ax.texts] == [2.5, 2.5]  # of the first point and the shock
+
+
+def test_what_snaps_always_is_marked_where_it_differs_by_more_than_the_error():
+    found, apart = make_found().isel(C=0), xr.DataArray([7.0, 8.0, 300.0], dims="f0")
+    curves.draw_band(ax := axes(), np.arange(3.0), found.assign(N_always=found.N_first + apart))
+    assert visible(ax.lines[2]) == [[1.0, 1108.0], [2.0, 2300.0]]
+
+
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
     for ends, classify in ((True, S.end_states), (False, S.snap_states)):
         ax = snapmap.plot_outcome(TINY, axes(), found=make_found().isel(C=0), ends=ends)

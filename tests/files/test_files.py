@@ -15,7 +15,7 @@ import pytest
 
 import snapmap
 from snapmap.files.atomic import fingerprint, hold, refuse_others
-from snapmap.files.text import exact, stem_of
+from snapmap.files.text import exact, is_showable, stem_of
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.rows import tidy
@@ -47,6 +47,11 @@ def test_names_of_files_are_short_and_plain_and_differ_as_their_words_do():
     assert len({*names}) == len(names)
     assert all(re.fullmatch(r"[\w.+-]{1,80}", name, re.ASCII) for name in names)
     assert stem_of("map", "thickness1.9", "versed sine") == "map_thickness1.9_versed_sine"
+
+
+@pytest.mark.parametrize("sign", [*'<>&|"`*[]\\', "\n", "\x1b", "\u202e"])
+def test_signs_with_a_meaning_to_a_page_a_table_or_a_terminal_are_not_shown(sign):
+    assert is_showable("a (b) {c} é_-.,:;/%+'") and not is_showable(f"a{sign}b")
 
 
 @pytest.fixture(scope="module")

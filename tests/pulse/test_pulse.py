@@ -12,6 +12,7 @@ from varied import varied
 
 import snapmap
 from snapmap.pulse.pulse import SHAPES, G, Pulse, blow_at, make_pulse, sampled
+from snapmap.pulse.shocks import make_shocks
 from snapmap.pulse.trains import make_drop, make_train
 from snapmap.solver.models import build_model
 
@@ -68,6 +69,32 @@ def test_a_record_that_pulls_is_judged_as_one_that_presses():
         time = np.linspace(0.0, 2 * np.pi, samples + 1)  # a period of the device
         lines = sampled(time, np.sin(time / 2)).doubts(1.0, time[-1], 9.81e-6)
         assert any("coarse" in line for line in lines) == is_coarse
+
+
+def test_swings_are_those_of_the_shape_or_of_the_fastest_blow():
+    zigzag = sampled(np.arange(6.0), [0.0, 1.0, -1.0, 1.0, -1.0, 0.0])
+    train = make_train([BLOW, {"wait": 9250.0}, BLOW | {"duration": 250.0}])
+    swings = [pulse.swings for pulse in (make_pulse(), zigzag, train, train.strongest)]
+    assert swings == pytest.approx([1.0, 4.0, 40.0, 1.0], rel=1e-14)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_waves_of_both_signs_add_to_the_gross_area_and_cancel_in_the_area(shape):
+    blow = {"shape": shape, "duration": 500.0}
+    train = make_train([blow, blow | {"N": -1.0}])
+    assert train.area == pytest.approx(0.0, abs=1e-14) and train.pulls
+    assert train.gross_area == pytest.approx(AREAS[shape], rel=2e-3)  # a jump ends in a short line
+
+
+@pytest.mark.parametrize(
+    ("direction", "written"),
+    [("+z", None), ("-z", "-z"), ("both", "both"), (("+z", "-z"), "both")]
+    + [(names, names) for names in (("-z", "+z"), ("+z",), ("-z",))],
+)
+def test_both_directions_are_written_as_both_and_others_as_they_are(direction, written):
+    shocks = make_shocks(direction=direction)
+    assert shocks.section() == ({"pulse": {"direction": written}} if written else {})
+    assert make_shocks(**shocks.section()).direction == shocks.direction
 
 
 def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
