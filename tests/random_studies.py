@@ -49,7 +49,7 @@ def random_study(seed):
 
 
 def _seconds(study):
-    asked = study.grid, study.model, study.settings, gather("alone", study), functions("observing")
+    asked = study.grid, study.model, study.run, gather("alone", study), functions("observing")
     searches = search_seconds(study.of_thresholds(), study.grid)
     return 3 * make_plan(*asked).seconds + searches + sum(gather("cost", study).values())
 

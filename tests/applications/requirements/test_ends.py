@@ -76,7 +76,7 @@ def test_no_shock_is_met_that_ends_elsewhere_in_finer_steps(handout):
     cells = rows.cells(grid.device, levels, HORIZON).flat()
     for step in (0.6, 0.35, 0.25):
         model = choose_model(grid.device, study.model).with_step(step)
-        stays.append(side_at_end(model.follow(cells, study.settings), 1e-3) == 2)
+        stays.append(side_at_end(model.follow(cells, study.run), 1e-3) == 2)
     assert 20 < met.sum() < 40 and np.all(stays, axis=0)[met].all()
     assert not np.all(stays, axis=0)[~met].all()
 

@@ -8,7 +8,7 @@ from ..applications import gather
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
-from ..device.quantities import plain
+from ..files.text import plain
 from ..study.study import Study
 from .plausible import implausible, unusual_runs
 from .points import read_points
@@ -52,7 +52,7 @@ def doubts(study: Study) -> list[str]:
     """
     axes, (first, *_) = study.axes, study.devices().values()
     lines = implausible(study.grid.device, dampers(study), axes["f0"])
-    lines += unusual_runs(N=axes["N"], horizon=study.settings.horizon)
+    lines += unusual_runs(N=axes["N"], horizon=study.run.horizon)
     for name, device in study.devices().items():
         remarks = [barely(device), tilting(device.beam), stopped(device)]
         force = device.force

@@ -7,21 +7,37 @@ from typing import Annotated
 
 import numpy as np
 
-from ..device.argument import Argument, number, of_type
-from ..device.checks import numbers
+from typing_extensions import TypeAliasType
+
 from ..files.tables import require_rising
 from ..files.text import show
 from ..numerics import portable
+from ..values.kinds import Fitting, Single, Word
+from ..values.quantities import Share
+from ..values.records import record
+from ..values.units import numbers_in
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """Sign of the frame's acceleration at N above 0; along +z it presses the mass on the beam."""
-Series = Annotated[
-    np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
-]
-_IN_US = Argument("a row of numbers in us", lambda v: numbers(v, "us") is not None, numbers)
-Times = Annotated[np.ndarray, _IN_US]
-POSITIVE, COLUMNS = number("(0, inf)"), 6
+
+
+def _row(unit):
+    """Make the kind of a row of numbers in a unit."""
+    need = f"a row of numbers{f' in {unit}' if unit else ''}"
+
+    def fit(value):
+        row = numbers_in(value, unit)
+        if row is None:
+            raise ValueError(f"{show(value)} is not {need}")
+        return row
+
+    return Fitting(need, fit)
+
+
+Series = TypeAliasType("Series", Annotated[Sequence[float] | np.ndarray, _row("")])
+Times = TypeAliasType("Times", Annotated[Sequence[float] | np.ndarray, _row("us")])
+LASTS, COLUMNS = Single("a duration", "us"), 6
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NEAR_G = 0.01
@@ -79,7 +95,7 @@ class Pulse:
     def __post_init__(self):
         if not isinstance(self.name, str):
             raise ValueError(f"pulse: name {show(self.name)} is not text")
-        pieces = numbers(self.pieces)
+        pieces = numbers_in(self.pieces, "")
         if pieces is None or pieces.ndim != 2 or pieces.shape[1] != COLUMNS or not pieces.size:
             need = f"rows of {COLUMNS} numbers; sampled and read_pulse make them"
             raise ValueError(f"pulse: pieces {show(self.pieces)} are not {need}")
@@ -88,9 +104,11 @@ class Pulse:
         begin = pieces[:, 0]
         if begin[0] != 0 or begin[-1] >= 1 or (np.diff(begin) <= 0).any():
             raise ValueError("pulse: pieces do not begin at 0 and ascend to below 1; sort them")
-        if self.duration is not None and not POSITIVE.fits(self.duration):
-            need = f"{POSITIVE.need}, or None"
-            raise ValueError(f"pulse: duration {show(self.duration)} is not {need}")
+        try:
+            duration = None if self.duration is None else LASTS.take(self.duration)
+        except ValueError as error:
+            raise ValueError(f"pulse: duration {error}, or None") from None
+        object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
 
     @cached_property
@@ -241,6 +259,37 @@ SHAPES = {
     ),
 }
 """Makers of the pieces of each shape (`numerics.pieces`); rise, fall: shares of the duration."""
+ShapeName = TypeAliasType("ShapeName", Annotated[str, Word(tuple(SHAPES))])
+
+
+@record
+class Form:
+    """A shape, with rise and fall of a trapezoid."""
+
+    shape: ShapeName = VERSED_SINE
+    """how the acceleration goes over time"""
+    rise: Share | None = None
+    """part of the duration in which a trapezoid rises; 10 % if left out"""
+    fall: Share | None = None
+    """part of the duration in which a trapezoid falls; 10 % if left out"""
+
+    def __post_init__(self):
+        """Raise ValueError for shares that do not fit."""
+        for key, share in self.shares.items():
+            if self.shape != "trapezoid":
+                raise ValueError(f"{key}: is of a trapezoid alone; leave it out")
+            if sum({"rise": TENTH, "fall": TENTH, **self.shares}.values()) > 1:
+                raise ValueError(f"{key}: shares are more than the duration; write smaller ones")
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Shares that are given, by key."""
+        shares = {"rise": self.rise, "fall": self.fall}
+        return {key: share for key, share in shares.items() if share is not None}
+
+    def make(self) -> "Pulse":
+        """Make the pulse."""
+        return make_pulse(self.shape, **self.shares)
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -253,7 +302,7 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def sampled(
-    time: Times, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
+    time: Times, acceleration: Series, name: str = "recorded"
 ) -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 

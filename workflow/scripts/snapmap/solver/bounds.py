@@ -26,8 +26,8 @@ from functools import partial
 
 import numpy as np
 
-from ..device.device import Value
 from ..numerics.linalg import dot
+from ..values.kinds import Number
 from .cells import Rows
 from .laws import Laws, curve
 from .models import Follows
@@ -37,7 +37,7 @@ from .settings import FIRST
 def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarray:
     """Return the N, in multiples of g, (rows,), below which no shock has the energy for a snap.
 
-    model: of a batch, to which the rows belong; start: as in `Settings`
+    model: of a batch, to which the rows belong; start: as in `Run`
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
@@ -49,7 +49,7 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
-        energy: Value
+        energy: Number
         if part.laws and part.laws.force:
             energy, swing = barrier.energy, 0.0 * barrier.energy
         elif start == FIRST:

@@ -13,7 +13,7 @@ LANES = 1  # cells that are followed side by side
 
 
 class Cell(NamedTuple):
-    """A single cell for a solver, with the units of `Cells` and the start of `Settings`."""
+    """A single cell for a solver, with the units of `Cells` and the start of `Run`."""
 
     device: Device
     pulse: Pulse

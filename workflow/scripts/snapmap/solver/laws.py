@@ -3,16 +3,16 @@
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ..device.argument import Argument
-from ..device.device import Value
-from ..files.named import naming, read_named
-from ..files.text import show
+from ..files.named import inside, naming, read_named, sha256_of
+from ..files.text import describe, show
+from ..values.kinds import Fitting, Kind, Number
 
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
@@ -23,7 +23,15 @@ PARAMETERS = {
 """Parameters of each law, in this order and under any names; units: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
-Law = Annotated[Callable, Argument("a function of numbers", callable)]
+
+
+def _take_law(value):
+    if not callable(value):
+        raise ValueError(f"{show(value)} is not a function of numbers")
+    return value
+
+
+Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", _take_law)])
 MODULE = "laws_of_a_study"
 """Name of the module of a file of laws: numba would take that of another one for it."""
 REACH, POINTS = 10.0, 10_000
@@ -35,16 +43,21 @@ class Laws:
     """Compiled functions, as `reference` takes them; None where the device's force acts.
 
     solver: function in place of the whole model, as in `external.march`
+    file, sha256: of the functions, if they were read from one
     """
 
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
     solver: Callable | None = None
+    file: str = ""
+    sha256: str = ""
 
     def __str__(self):
-        """Name the functions, as in attributes of products."""
-        laws = ((key, law) for key, law in vars(self).items() if law)
+        """Name the file, or the functions, as in attributes of products."""
+        if self.file:
+            return self.file
+        laws = ((key, law) for key in PARAMETERS if (law := getattr(self, key)))
         return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
 
@@ -52,7 +65,7 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-) -> dict[str, object]:
+) -> "Reference":
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
     damping: function (C, velocity, place) that returns the drag on the mass, uN, else C velocity
@@ -65,8 +78,10 @@ def reference(
     >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
     'snapped'
     """
+    from .options import Reference
+
     laws = compile_laws({"damping": damping, "contact": contact, "force": force})
-    return {"name": "reference", "laws": laws}
+    return Reference(laws=laws)
 
 
 def compile_laws(functions: Mapping[str, object]) -> Laws:
@@ -106,13 +121,33 @@ def load_laws(path: str, sha256: str = "") -> Laws:
     names = {"__name__": MODULE}
     with of_user(path):
         exec(compile(content, path, "exec"), names)
-    return compile_laws(names)
+    return replace(compile_laws(names), file=path, sha256=sha256)
 
 
-def laws_of(options: Mapping) -> Laws | None:
-    """Return the laws in a model's options, read from a file if they name one; None without."""
-    laws = options.get("laws")
-    return load_laws(laws, options.get("sha256", "")) if isinstance(laws, str) else laws
+class LawsKind(Kind):
+    """Laws: what `compile_laws` makes, or the path of a Python file that has them."""
+
+    need = "the path of a Python file with laws, or what snapmap.reference makes"
+    asks = "the path of a Python file in the study's folder"
+
+    def take(self, value: object) -> Laws:
+        """Take laws, or read a file."""
+        if not isinstance(value, str | Laws):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return value if isinstance(value, Laws) else load_laws(value, sha256_of(value, *LAWS))
+
+    def read(self, value: object) -> Laws:
+        """Read a file in the study's folder."""
+        if not (isinstance(value, str) and value):
+            raise ValueError(f"{describe(value)} is not {self.asks}")
+        return self.take(inside(value))
+
+    def schema(self) -> dict:
+        """Describe a path."""
+        return {"type": "string"}
+
+
+UserLaws = TypeAliasType("UserLaws", Annotated[str | Laws, LawsKind()])
 
 
 def _compiled(key, law):
@@ -142,7 +177,7 @@ def _compiled(key, law):
     return law
 
 
-def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
+def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
     """Find saddle and second shape, um, and the energy of the saddle, pJ, of a double well.
 
     The energy is the integral of the force. Raises ValueError if this has no double well.
@@ -162,7 +197,7 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     return saddle, second, float(energy)
 
 
-def curve(name: str, law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
+def curve(name: str, law: Callable, rise: Number) -> tuple[np.ndarray, np.ndarray]:
     """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
     with of_user(name):

@@ -1,51 +1,118 @@
-"""The names of models and their options, in Python as in a config."""
+"""How a cell is simulated: a model by its name, with its options."""
 
-from collections.abc import Mapping
-from typing import Annotated, TypedDict
+from collections.abc import Callable, Mapping
+from typing import Annotated, Literal
 
-from ..device.argument import Argument, argument_of, integer, number, word
-from .laws import Laws
+from typing_extensions import TypeAliasType
 
-OPTIONS = {
-    "reference": ("elements", "laws"),
-    "elements": ("elements", "modes"),
-    "cosines": ("cosines", "modes"),
-    "auto": ("tolerance",),
-}
-"""Names of the options of each model."""
+from ..files.text import describe, show
+from ..values.kinds import Kind
+from ..values.quantities import Count, Fraction, Modes
+from ..values.records import build, read_part, record, told
+from .laws import Laws, UserLaws, compile_laws
 
-
-class ModelOptions(TypedDict, total=False):
-    """Options of models, of functions whose `tolerance` is an argument of their own."""
-
-    elements: Annotated[int, integer(1, 100)]
-    cosines: Annotated[int, integer(1, 100)]
-    modes: Annotated[int, integer(1, 200)]
+TOLERANCE = 1e-3
+"""Default relative error of a threshold that `auto` may make; its usual steps make as much."""
 
 
-class AutoOptions(ModelOptions, total=False):
-    """Options of models, of all other functions."""
+@record
+class Auto:
+    """The cheapest sufficient number of cosines for each cell."""
 
-    tolerance: Annotated[float, number("(0, 1)", "", "1e-3")]
+    tolerance: Fraction = TOLERANCE
+    """largest relative error of thresholds"""
+    name: Literal["auto"] = "auto"
+    """the model"""
+
+    laws = None
 
 
-OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
-OF_MODEL["laws"] = Argument(
-    "a file of laws or what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
-)
-"""Description of each option."""
+@record
+class Cosines:
+    """Symmetric cosines."""
+
+    modes: Modes | None = None
+    """number of modes; all if left out"""
+    cosines: Count | None = None
+    """number of symmetric cosines; as many as `modes`, else 5, if left out"""
+    name: Literal["cosines"] = "cosines"
+    """the model"""
+
+    laws = None
 
 
-def take_model(model: Mapping) -> dict[str, object]:
-    """Check and convert a model's name and options; raises ValueError, one line."""
-    name = str(word(*OPTIONS).take("model.name", model.get("name")))
-    options: dict[str, object] = {"name": name}
-    for key, value in model.items():
-        if key in OPTIONS[name]:
-            options[key] = OF_MODEL[key].take(f"model.{key}", value)
-        elif key == "sha256" and isinstance(model.get("laws"), str):
-            options[key] = value
-        elif key != "name":
-            known = ", ".join(OPTIONS[name])
-            raise ValueError(f"model.{key}: is not an option of {name}; write one of {known}")
-    return options
+@record
+class Elements:
+    """Hermite elements on the half beam, as in the handout."""
+
+    elements: Count = 5
+    """number of elements on the half beam"""
+    modes: Modes | None = None
+    """number of modes; all if left out, with hard contact three quarters"""
+    name: Literal["elements"] = "elements"
+    """the model"""
+
+    laws = None
+
+
+@record
+class Reference:
+    """The handout's central differences in a plain loop; slow."""
+
+    elements: Count = 5
+    """number of elements on the half beam"""
+    laws: UserLaws | None = None
+    """a Python file with laws in place of the device's own forces"""
+    name: Literal["reference"] = "reference"
+    """the model"""
+
+
+Choice = Auto | Cosines | Elements | Reference
+MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
+
+
+class ModelKind(Kind):
+    """A model: its name, a mapping of name and options, a record, or a solver of one's own."""
+
+    need = f"one of {', '.join(MODELS)}, what reference makes, or a solver of your own"
+    records = tuple(MODELS.values())
+    asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
+
+    def take(self, value: object) -> Choice:
+        """Give the record of a value of Python."""
+        if isinstance(value, Choice):
+            return value
+        if isinstance(value, Laws):
+            return Reference(laws=value)
+        if isinstance(value, Mapping):
+            return build(self._named(value, show), value)
+        if callable(value) and not isinstance(value, type):
+            return Reference(laws=compile_laws({"solver": value}))
+        if not isinstance(value, str) or value not in MODELS:
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return MODELS[value]()
+
+    def read(self, value: object) -> Choice:
+        """Read a section of a config."""
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{describe(value)} is not {self.asks}")
+        return read_part(self._named(value, describe), value)
+
+    def _named(self, value, say):
+        if "name" not in value:
+            raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
+        if value["name"] not in [*MODELS]:
+            raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
+        return MODELS[value["name"]]
+
+
+Model = TypeAliasType("Model", Annotated[str | Choice | Mapping | Callable, ModelKind()])
+
+
+def section_of(chosen: Choice) -> dict[str, object]:
+    """Write the section of a config; laws by their file, with its hash, or by their names."""
+    options = {key: value for key, value in told(chosen).items() if key != "name"}
+    if chosen.laws:
+        options["laws"] = str(chosen.laws)
+        options |= {"sha256": chosen.laws.sha256} if chosen.laws.file else {}
+    return {"name": chosen.name} | options

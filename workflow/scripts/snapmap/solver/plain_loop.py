@@ -7,10 +7,11 @@ from numba import njit
 
 from ..beam.basis import Basis
 from ..beam.modal import pulse_load, settled
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
+from ..values.kinds import Number
 from .laws import of_user
 from .settings import SECOND
 
@@ -41,15 +42,15 @@ class System(NamedTuple):
     slope_start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: Value
-    mass: Value
-    spring: Value
-    penalty: Value
-    gap: Value
-    beam_damping: Value
-    stop_toward: Value
-    stop_away: Value
-    restitution: Value
+    axial: Number
+    mass: Number
+    spring: Number
+    penalty: Number
+    gap: Number
+    beam_damping: Number
+    stop_toward: Number
+    stop_away: Number
+    restitution: Number
     start: np.ndarray
     side: float
 

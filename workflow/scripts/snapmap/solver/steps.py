@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..beam.modal import ModalBeam, column, contact_stiffness
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..numerics.linalg import dot, eigenvalues, outer, solve
+from ..values.kinds import Number
 from .cells import Cells
 from .settings import EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
 
@@ -125,21 +126,21 @@ def fixed(dt: np.ndarray) -> Steps:
     )
 
 
-def spring_share(device: Device) -> Value:
+def spring_share(device: Device) -> Number:
     """Return, from 0 to 1, how far the spring holds the mass back, so that the beam snaps alone."""
     over = device.spring / (HOLDS * 192 * device.beam.stiffness_unit)
     cube = over * over * over
     return np.where(device.is_alone, 1.0, cube * cube / (1 + cube * cube))
 
 
-def most_steps(device: Device) -> Value:
+def most_steps(device: Device) -> Number:
     """Return the most steps that a swing of a smooth pulse needs, however slow it is."""
     beam, share = device.beam, spring_share(device)
     heavy = 1 + device.mass / (HEAVY * beam.mass_per_length * beam.span)
     return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
-def strike_tightening(mass: Value, modal: ModalBeam) -> Value:
+def strike_tightening(mass: Number, modal: ModalBeam) -> Number:
     """Return omega^2 / v of the fastest mode under the tension of a strike at speed v, 1/(um us).
 
     The tension T = axial Q is that of a beam whose stretch has taken the energy of the mass, ng,
@@ -204,7 +205,7 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     )
 
 
-def stability_limit(device: Device, modal: ModalBeam) -> Value:
+def stability_limit(device: Device, modal: ModalBeam) -> Number:
     """Return 2/omega_max, us, of the stiffest state that a run is expected to meet; docs/theory.md.
 
     The tangent stiffness there is kappa + T S + EA/L (S q)(S q)^T + contact, with q = TENSION_REACH
@@ -221,7 +222,7 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
     return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
-def arch_frequency(modal: ModalBeam) -> Value:
+def arch_frequency(modal: ModalBeam) -> Number:
     """Estimate omega of the arch, 1/us: omega^2 = kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)

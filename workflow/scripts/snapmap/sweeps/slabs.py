@@ -35,7 +35,7 @@ def cells_in(slab: Slab) -> int:
 def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by two hashes: of what slabs with shared cells agree in, and of other axes."""
     single = {key: slab[key] for key in SINGLE if key in slab}
-    part, settings = study.part(slab), study.settings.without_threads()
+    part, settings = study.part(slab), study.run.without_threads()
     nominal = [asdict(device) for device in part.devices().values()]
     pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
     common = [nominal, study.model, settings, pulses, list(slab), single]
@@ -133,13 +133,13 @@ def _follow_unknown(grid, study, observers, variables, known):
     """Follow unknown cells, rows with the same gaps at once, and put them into the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, study.model, study.settings.start)
+    built = choose_model(grid.device, study.model, study.run.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):
         alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
-        followed = follow_rows(built, rows.take(alike), N[pattern], study.settings, observers)
+        followed = follow_rows(built, rows.take(alike), N[pattern], study.run, observers)
         for key, values in followed.items():
             all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
             all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

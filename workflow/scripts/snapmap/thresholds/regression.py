@@ -6,7 +6,7 @@ from ..beam.limit_loads import static_threshold
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import SECOND, Settings
+from ..solver.settings import SECOND, Run
 from .search import SCAN_STEP, TOGETHER, amplitudes, asker, first_snap, near, refine, walk
 from .survey import ISLAND_STEP, ISLANDS_FROM, first_seen, scan_range
 
@@ -21,7 +21,7 @@ NOMINAL_REACH = 30.0
 
 
 def nominal_thresholds(
-    model: Follows, rows: Rows, settings: Settings, tolerance: float
+    model: Follows, rows: Rows, settings: Run, tolerance: float
 ) -> np.ndarray:
     """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none."""
     ask = asker(model, rows, settings)
@@ -41,7 +41,7 @@ def thresholds_of_samples(
     rows: Rows,
     deviations: np.ndarray,
     nominal: np.ndarray,
-    settings: Settings,
+    settings: Run,
     tolerance: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the lowest N that snaps in each sample's rows, (samples, rows), and the ragged rows.

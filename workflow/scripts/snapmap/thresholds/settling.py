@@ -8,7 +8,7 @@ from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds
 from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
-from ..solver.settings import Settings
+from ..solver.settings import Run
 from .search import amplitudes, walk
 
 LATCHED_STEP = 0.01
@@ -21,7 +21,7 @@ RUN_STEPS = 2e6
 
 
 def lowest_latched(
-    model: Follows, rows: Rows, low: np.ndarray, high: np.ndarray, settings: Settings
+    model: Follows, rows: Rows, low: np.ndarray, high: np.ndarray, settings: Run
 ) -> np.ndarray:
     """Find the lowest N from which on all cells tried latch, (rows,); NaN if the highest does not.
 

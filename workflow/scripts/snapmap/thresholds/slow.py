@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..beam.limit_loads import static_threshold
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..pulse.pulse import Pulse
+from ..values.kinds import Number
 
 HEAVY = 30.0
 """Least mass, in masses of the beam, with which the beam's own inertia does not round the corner of
@@ -18,7 +19,7 @@ POINTS = 4096
 """Number of steps into which a pulse is cut."""
 
 
-def growth_rate(device: Device, C: Value) -> Value:
+def growth_rate(device: Device, C: Number) -> Number:
     """Give the rate sigma, 1/us, at which the mass departs along the falling branch of the path.
 
     C: uN us/um; the dwell is 2/sigma

@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from ..device import argument
-from ..device.quantities import plain
+from ..files.text import plain
 from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from ..study import arguments
 from ..study.axes import Grid, rows_of
 from ..study.study import THRESHOLD_SETTINGS, Study, study_of
@@ -106,7 +106,7 @@ def thresholds_of(
 
     axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
-    settings = study.settings
+    settings = study.run
     document = study.document(THRESHOLD_SETTINGS)
     document["sweep"]["threshold_tolerance"] = tolerance
     grid, rows, models, columns = _search(study, axes, tolerance, highest)
@@ -135,7 +135,7 @@ def first_snaps(
 
 def _search(study, axes, tolerance, highest=None):
     """Find the thresholds of a study; returns grid, rows, models and variables, (rows, ...)."""
-    settings, grid = study.settings, study.set_out(axes)
+    settings, grid = study.run, study.set_out(axes)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     parts, searched = split_rows(grid, rows)
     tell_cost(models, rows.take(searched), settings)
@@ -203,7 +203,7 @@ def find_thresholds(
     models: Survey,
     rows: Rows,
     parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]],
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     highest: float | None = None,
 ) -> dict[str, np.ndarray]:

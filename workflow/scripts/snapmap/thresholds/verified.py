@@ -8,7 +8,7 @@ import numpy as np
 
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import Settings
+from ..solver.settings import Run
 from ..study.axes import NAMES
 from .search import asker
 
@@ -194,7 +194,7 @@ def _cubic(N, axes, places):
 
 
 def expected_labels(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
+    model: Follows, rows: Rows, settings: Run, expected: np.ndarray
 ) -> np.ndarray:
     """Tell whether rows are quiet at all of QUIET_AT and snap at all of SNAPS_AT, (rows,)."""
     N = np.multiply.outer(expected, QUIET_AT + SNAPS_AT)

@@ -78,7 +78,7 @@ def check(config: Path) -> None:
 
     study = load_config(read_document(config))
     plan = make_plan(
-        study.grid, study.model, study.settings, gather("alone", study), functions("observing")
+        study.grid, study.model, study.run, gather("alone", study), functions("observing")
     )
     refuse_all(study)
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
@@ -99,7 +99,7 @@ def _runs(study):
     """Count the runs of a user's own solver, whose core time is unknown."""
     cells = prod(study.grid.shape)
     rows = cells // study.grid.axes["N"].size
-    runs = cells * (1 + study.settings.repeat)
+    runs = cells * (1 + study.run.repeat)
     return (
         f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
         "more where they are ragged"

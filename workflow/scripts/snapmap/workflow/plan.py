@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.settings import Settings
+from ..solver.settings import Run
 from ..study.axes import DEVICE, Grid
 from ..sweeps.slabs import SINGLE, Slab, cells_in
 
@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 def make_plan(
     grid: Grid,
     model: Mapping,
-    settings: Settings,
+    settings: Run,
     alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
     observing: Sequence[Callable] = (),
 ) -> Plan:
@@ -70,7 +70,7 @@ def make_plan(
     dt, seconds = _expected(grid, model, settings, axes["f0"], observing)
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
-    moved = settings._replace(until="moved")
+    moved = settings.but(until="moved")
     for f0 in alone.values():
         beside += _expected(grid, model, moved, np.array(f0), observing)[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:

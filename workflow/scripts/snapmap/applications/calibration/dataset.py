@@ -13,7 +13,7 @@ from scipy.special import log_ndtr
 from ...device.argument import Argument, is_flag, is_list, is_path, mapping_of
 from ...device.checks import numbers
 from ...device.device import VALUES
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.axes import COORDINATES

@@ -39,7 +39,7 @@ def observing(model, cells, settings):
 
     if not model.device.has_electrode.any():
         return 0.0
-    moved = steps_and_seconds(model, cells, settings._replace(until="moved"))[1]
+    moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
     return (1 + 1 / REPEATED_STEP) * moved
 
 

@@ -7,7 +7,7 @@ from ...beam.basis import Basis
 from ...beam.equilibria import saddle_and_second, shapes_of
 from ...beam.modal import unit_beams
 from ...device.device import Beam
-from ...device.quantities import plain
+from ...files.text import plain
 from ...numerics.linalg import apply, dot, eigenvalues, eigh, outer
 from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
@@ -72,9 +72,9 @@ def _snap_scales(study, device, pulse, thresholds):
     N, error = (thresholds[key].values.ravel() for key in ("N_first", "N_error"))
     known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
     rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
-    model = choose_survey(device, study.model, study.settings.start).levels[-1].decides
-    exact = lowest_snap(model, rows, (N - off, N + off), study.settings, EXACT, STEP)
-    t_snap = asker(model, rows, study.settings)(np.multiply.outer(exact, 1 + ABOVE))
+    model = choose_survey(device, study.model, study.run.start).levels[-1].decides
+    exact = lowest_snap(model, rows, (N - off, N + off), study.run, EXACT, STEP)
+    t_snap = asker(model, rows, study.run)(np.multiply.outer(exact, 1 + ABOVE))
     away = (np.arange(ABOVE.size) - (ABOVE.size - 1) / 2) / 2  # decades
     scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * LN_10)
     return scales.reshape(thresholds.C.size, -1)

@@ -16,7 +16,7 @@ def figures(study):
     """The page, with what the cube does not hold."""
     from .. import gather
 
-    marks, start = gather("marks", study).values(), study.settings.start
+    marks, start = gather("marks", study).values(), study.run.start
     each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
     required = [
         (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
@@ -24,7 +24,7 @@ def figures(study):
         for name, f0, N, pushed in shocks
     ]
     shown = {"title": study.title, "pulse": study.pulse, "required": required}
-    return {"explore": {"horizon": study.settings.horizon, **shown}}
+    return {"explore": {"horizon": study.run.horizon, **shown}}
 
 
 def draw(figures, folder, cube_path, threshold_path, requirements_path=""):

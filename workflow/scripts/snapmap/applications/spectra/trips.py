@@ -13,7 +13,7 @@ from ...solver.cells import Rows, to_rows
 from ...solver.cost import tell
 from ...solver.models import Follows
 from ...solver.options import AutoOptions
-from ...solver.settings import Settings
+from ...solver.settings import Run
 from ...study import arguments
 from ...study.study import THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
@@ -80,13 +80,13 @@ def trips_of(
     exists, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
     rows, first = rows.take(exists), records[0].pulse
     draws = len(seeds) * draw_seconds(points, first)
-    tell_records("srs_test", model, rows, first, study.settings, len(seeds), draws)
+    tell_records("srs_test", model, rows, first, study.run, len(seeds), draws)
     records += [record(points, seed) for seed in seeds[1:]]
     pulses, peaks, deviations = map(list, zip(*records, strict=True))
     is_upward = DIRECTIONS[study.shocks.directions[0]] > 0
     shaking = pulses if is_upward else [pulse.reversed() for pulse in pulses]
     snaps = np.full((exists.size, len(pulses), len(FACTORS)), np.nan)
-    t_snap = snap_times(model, rows, zip(shaking, peaks, strict=True), FACTORS, study.settings)
+    t_snap = snap_times(model, rows, zip(shaking, peaks, strict=True), FACTORS, study.run)
     snaps[exists] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
     snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
     data = {
@@ -104,7 +104,7 @@ def tell_records(
     model: Follows,
     rows: Rows,
     pulse: Pulse,
-    settings: Settings,
+    settings: Run,
     records: int,
     drawn: float = 0.0,
 ) -> None:
@@ -125,7 +125,7 @@ def snap_times(
     rows: Rows,
     records: Iterable[tuple[Pulse, float]],
     levels: Sequence[float],
-    settings: Settings,
+    settings: Run,
 ) -> np.ndarray:
     """Find when records at levels snap rows, us, (rows, records, levels).
 

@@ -97,7 +97,7 @@ def vibration_of(
     length, rms = spectrum.record_length(T), spectrum.rms
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
-    settings = study.settings._replace(horizon=0.0)
+    settings = study.run.but(horizon=0.0)
     first, _ = spectrum.record(length, [seed, 0])
     together = max(1, PIECES // len(first.pieces))
 

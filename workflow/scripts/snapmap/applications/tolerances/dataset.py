@@ -11,7 +11,7 @@ import xarray as xr
 from ...beam.stress import break_probability
 from ...device.argument import mapping_of, number
 from ...device.device import VALUES
-from ...device.quantities import plain
+from ...files.text import plain
 from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
@@ -128,7 +128,7 @@ def tolerances_of(
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
     """The dataset of one device, without attributes."""
-    settings, samples, device = study.settings, tolerances.samples, study.device
+    settings, samples, device = study.run, tolerances.samples, study.device
     C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
     groups = study.shocks.axes | {"C": C, "f0": f0}
     shape = [values.size for values in groups.values()]
