@@ -59,7 +59,10 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     axes = {"mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}, "C": ["1 mN*s/m", "2 kg/s"]}
     swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
     swept |= {"sweep__temperature": ["-40 degC", "125 degC"], "requirements": [shock]}
-    assert [*window.figures(load_config(changed(**swept)))["window"]["axes"]] == ["mass", "C"]
+    assert [*window.application.figures(load_config(changed(**swept)))["window"]["axes"]] == [
+        "mass",
+        "C",
+    ]
     units = {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3), "contact": ("uN/um", 1.0)}
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 
@@ -79,7 +82,7 @@ def test_a_beam_alone_has_no_mass_and_what_a_product_says_of_it_is_again_its_con
     assert read_device(section) == study.device
     assert "no mass" in descriptions(study)[0]
     assert sum("uN on the midpoint" in line for line in doubts(study)) == bool(pushed)
-    assert ("damage_boundary" in boundary.figures(study)) != bool(pushed)
+    assert ("damage_boundary" in boundary.application.figures(study)) != bool(pushed)
 
 
 def test_load_device_looks_at_the_device_only(tmp_path):

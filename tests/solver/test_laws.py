@@ -256,12 +256,16 @@ CONFIG |= {"model": {"name": "reference", "laws": "mylaws.py"}}
 CELLS = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
 
 
+def outputs(study):
+    return gather(lambda part: part.outputs(study))
+
+
 def test_a_config_names_a_file_of_laws(root, law_file):
     with pytest.raises(ConfigError, match=r"^model\.laws: mylaws\.py: is not there$"):
         load_config(CONFIG)
     law_file.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
     study = load_config(CONFIG)
-    assert gather("outputs", study)["statics"]  # of the beam, which the law leaves as it is
+    assert outputs(study)["statics"]  # of the beam, which the law leaves as it is
     assert "not known under model.laws" in descriptions(study)[0]
     thick = {"sweep": CONFIG["sweep"] | {"C": ["30000 uN*us/um"]}}
     assert not any("critical" in line for line in doubts(load_config(CONFIG | thick)))
@@ -278,14 +282,14 @@ def test_a_config_names_a_file_of_laws(root, law_file):
 def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
     examples = root / "examples" / "laws"
     law_file.write_text((examples / "cubic_damping.py").read_text())
-    made = gather("outputs", load_config(CONFIG | CELLS))
+    made = outputs(load_config(CONFIG | CELLS))
     assert made["statics"] and made["histories"]
     law_file.write_text("def solver(cell, step): return 1.0")
-    assert "statics" not in gather("outputs", load_config(CONFIG))
+    assert "statics" not in outputs(load_config(CONFIG))
     with pytest.raises(ConfigError, match=r"^histories: does not work with model"):
         load_config(CONFIG | CELLS)
     law_file.write_text((examples / "double_well.py").read_text())
-    assert "statics" not in gather("outputs", load_config(CONFIG | CELLS))
+    assert "statics" not in outputs(load_config(CONFIG | CELLS))
 
 
 def test_a_solver_of_ones_own_makes_a_cube(root, handout):

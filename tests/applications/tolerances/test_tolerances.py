@@ -312,6 +312,6 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
     monkeypatch.setattr("snapmap.study.netcdf.write_product", lambda *made: written.append(made))
-    tolerances.run(study, "results/tolerance.nc")
+    tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import create_model
 
-from ..applications import attached, key_of
+from ..applications import gather
 from ..device.argument import Argument
 from ..device.device import Device
 from ..device.quantities import QUANTITIES
@@ -218,11 +218,7 @@ class _Core(Section):
         return self.devices or {"device": self.device}
 
 
-_SECTIONS = {
-    key_of(name, application): application.section()
-    for name, application in attached().items()
-    if hasattr(application, "section")
-}
+_SECTIONS = gather(lambda part: part.section())
 Document = create_model("Document", __base__=_Core, __doc__=_Core.__doc__, **_SECTIONS)
 """The whole config: sections of the core and of all applications."""
 
