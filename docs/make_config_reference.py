@@ -77,7 +77,7 @@ SECTIONS = {
     "each of maps": models.MapSection,
     "each of thresholds": models.LinesSection,
 }
-for sections in gather("described").values():
+for sections in gather(lambda part: part.described()).values():
     SECTIONS |= sections
 
 PAGE = """\

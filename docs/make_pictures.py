@@ -70,7 +70,7 @@ def reduce_colours(source: Path, target: Path) -> None:
 def snaps():
     """The cells of config.yaml at one C, and the thresholds over them."""
     study = load_config(read_document(ROOT / "config" / "config.yaml"))
-    asked = {"C": [C], "horizon": study.settings.horizon, "threads": 2}
+    asked = {"C": [C], "horizon": study.run.horizon, "threads": 2}
     cells = snapmap.sweep(
         study.device, study.axes["N"], study.axes["f0"], model="auto", until="snap", **asked
     )

@@ -22,7 +22,7 @@ from snapmap.files.text import DASH, table
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 from .common import (
     command_device,
@@ -63,7 +63,7 @@ STRIDE, FEWER = 6, 30
 """Strides through the posed rows for the plain loop and for SciPy. SciPy skips slow pulses, as a
 cell takes it half a minute there, against seconds for a fast pulse."""
 ROUNDS = 3
-SETTINGS = Settings(until="edge", repeat=False)
+SETTINGS = Run(until="edge", repeat=False)
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
 LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
 LOOKS |= {"SciPy DOP853": ("0.4", "X")}

@@ -18,7 +18,7 @@ from snapmap.files.text import table
 from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import Rows, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import lowest_snap
 from snapmap.thresholds.survey import CLOSE_STEP, FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
@@ -90,7 +90,7 @@ def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
     f0, C = (np.array(few(a)) for a in draw_shocks(draw, device, (slowest, FREQUENCIES[1])))
     model = build_model(device, **JUDGES[0]).with_step(JUDGED_STEP)
     cells = to_rows(0, f0, 0.0, 0, shocks.pulses).cells(device, 1.0, HORIZON).flat()
-    steps = cells.t_end / model.time_steps(cells, Settings(until="edge"))
+    steps = cells.t_end / model.time_steps(cells, Run(until="edge"))
     return device, shocks, f0, C, steps > MOST_STEPS
 
 
@@ -119,14 +119,14 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     about: thresholds near which they search
     """
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
-    settings = Settings(HORIZON, threads=THREADS)
+    settings = Run(HORIZON, threads=THREADS)
     judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
     by_judge = [look(model, rows, about, settings) for model in judges]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
 
 
-def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
+def look(model, rows: Rows, about, settings: Run) -> np.ndarray:
     """Find thresholds by one judge, (thresholds,); NaN if there is none within REACHES."""
     N = np.full(about.size, np.nan)
     for reach in REACHES:

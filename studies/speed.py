@@ -20,12 +20,12 @@ from snapmap.device.device import Device
 from snapmap.files.text import DASH, table
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 from .common import ROOT, command_device, few, machine, number, rate, ratio, take_turns, versions
 from .scipy_solver import Follow, by_scipy
 
-SETTINGS = Settings(1500.0, until="snap", repeat=False)
+SETTINGS = Run(1500.0, until="snap", repeat=False)
 SIDE, FEWEST, DAMPING, ROUNDS = 16, 4, 0.025, 5
 N_RANGE, F0_RANGE = (600.0, 2400.0), (300.0, 20e3)
 PLAIN, HANDOUT = "reference (plain loop)", "5 elements (9 modes)"

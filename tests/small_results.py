@@ -8,7 +8,7 @@ import xarray as xr
 import snapmap
 from snapmap.figures import style
 from snapmap.solver.outcome import OUTCOMES
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.axes import COORDINATES
 from snapmap.study.variables import variables
 
@@ -18,7 +18,7 @@ CONFIG = {
     "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
 }
 AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
-SETTINGS = Settings(horizon=300.0)
+SETTINGS = Run(horizon=300.0)
 VARIABLES = variables("cube")
 ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
 

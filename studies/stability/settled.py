@@ -10,7 +10,7 @@ from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.settings import STAY, Run
 from snapmap.solver.simd_loop import midpoints
 
 from ..common import few
@@ -22,7 +22,7 @@ MODELS = {
     "5 elements": {"name": "elements"},
 }
 DAMPINGS = (0.025, 25.0)
-SETTINGS = Settings(threads=2)
+SETTINGS = Run(threads=2)
 FURTHER = 10_000.0
 """Time for which runs are followed after the pulse, us."""
 HEAD = ["beam", "contact, N/m", "model", "settled", "left their well"]

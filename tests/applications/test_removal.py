@@ -2,17 +2,18 @@
 
 import re
 import shutil
+from inspect import getmodule
 
 import pytest
 import yaml
 from small_studies import TINY
 from small_workflow import snakemake
 
-from snapmap.applications import attached, key_of
+from snapmap.applications import attached
 
+FIRST = {name: getmodule(type(part)).__doc__.splitlines()[0] for name, part in attached().items()}
 IMPORTS = {
-    name: {*re.findall(r"\w+", package.__doc__.partition("\n")[0].partition("Imports:")[2])}
-    for name, package in attached().items()
+    name: {*re.findall(r"\w+", first.partition("Imports:")[2])} for name, first in FIRST.items()
 }
 """What the first line of each application says that it imports; test_project.py checks it."""
 INNER = [name for name in IMPORTS if name in set().union(*IMPORTS.values())]
@@ -43,7 +44,7 @@ def study_without(clone, names, path):
         shutil.rmtree(applications / gone)
         assert f'    "{gone}",\n' in text
         text = text.replace(f'    "{gone}",\n', "")
-        document.pop(key_of(gone, attached()[gone]), None)
+        document.pop(gone, None)
     listing.write_text(text, encoding="utf-8")
     path.write_text(yaml.safe_dump(document), encoding="utf-8")
 

@@ -110,7 +110,7 @@ def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
         study = load_config(document)
-        make_plan(study.grid, study.model, study.run, gather("alone", study))
+        make_plan(study.grid, study.model, study.run, gather(lambda part: part.alone(study)))
     except ConfigError as error:
         lines = list(error.args)
     except ValueError as error:

@@ -26,7 +26,7 @@ from snapmap.config.yaml_file import ConfigError, read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.quantities import KINDS, bounds_of
 from snapmap.device.shape import TILT
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.provenance import device_sections
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,10 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     axes = {"mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}, "C": ["1 mN*s/m", "2 kg/s"]}
     swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
     swept |= {"sweep__temperature": ["-40 degC", "125 degC"], "requirements": [shock]}
-    assert [*window.figures(load_config(changed(**swept)))["window"]["axes"]] == ["mass", "C"]
+    assert [*window.application.figures(load_config(changed(**swept)))["window"]["axes"]] == [
+        "mass",
+        "C",
+    ]
     units = {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3), "contact": ("uN/um", 1.0)}
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 
@@ -79,7 +82,7 @@ def test_a_beam_alone_has_no_mass_and_what_a_product_says_of_it_is_again_its_con
     assert read_device(section) == study.device
     assert "no mass" in descriptions(study)[0]
     assert sum("uN on the midpoint" in line for line in doubts(study)) == bool(pushed)
-    assert ("damage_boundary" in boundary.figures(study)) != bool(pushed)
+    assert ("damage_boundary" in boundary.application.figures(study)) != bool(pushed)
 
 
 def test_load_device_looks_at_the_device_only(tmp_path):
@@ -120,7 +123,7 @@ def test_the_study_of_the_handout_is_exact():
     f0 = study.axes["f0"]
     assert (f0.size, f0[0], f0[-1]) == (41, 100.0, 30000.0)
     assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
-    assert study.run._replace(threads=1) == Settings(1500.0, "settled", True, 1e-3)
+    assert study.run._replace(threads=1) == Run(1500.0, "settled", True, 1e-3)
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()

@@ -28,7 +28,7 @@ from snapmap.solver.laws import LAWS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
 from snapmap.solver.plain_loop import nodal_system
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import lowest_snap
 
 F0 = 1500.0
@@ -100,7 +100,7 @@ def double_well(handout, laws):
 
 def first_snap(model, rows, expected, tolerance):
     bracket = 0.9 * expected, 1.1 * expected
-    return lowest_snap(model, rows, bracket, Settings(1500.0), tolerance).item()
+    return lowest_snap(model, rows, bracket, Run(1500.0), tolerance).item()
 
 
 def test_a_short_pulse_must_bring_the_energy_of_the_saddle_a_slow_one_the_force(double_well, laws):
@@ -130,7 +130,7 @@ def test_a_double_well_withstands_what_its_energy_proves(double_well):
     bound = least_amplitudes(built, rows)
     assert bound == pytest.approx(speed * rows.f0 / (1e6 * area * device.gravity), rel=1e-5)
     cells = rows.cells(built.device, np.multiply.outer(bound, [0.5, 0.999]), 1500.0)
-    runs = built.follow(cells, Settings())
+    runs = built.follow(cells, Run())
     assert np.isnan(runs.t_snap).all() and (runs.energy_error < 1e-3).all()
     N = first_snap(built, rows.take([4]), bound[4], 1e-3)  # a half sine that presses
     assert bound[4] < N < 1.02 * bound[4]
@@ -256,12 +256,16 @@ CONFIG |= {"model": {"name": "reference", "laws": "mylaws.py"}}
 CELLS = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
 
 
+def outputs(study):
+    return gather(lambda part: part.outputs(study))
+
+
 def test_a_config_names_a_file_of_laws(root, law_file):
     with pytest.raises(ConfigError, match=r"^model\.laws: mylaws\.py: is not there$"):
         load_config(CONFIG)
     law_file.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
     study = load_config(CONFIG)
-    assert gather("outputs", study)["statics"]  # of the beam, which the law leaves as it is
+    assert outputs(study)["statics"]  # of the beam, which the law leaves as it is
     assert "not known under model.laws" in descriptions(study)[0]
     thick = {"sweep": CONFIG["sweep"] | {"C": ["30000 uN*us/um"]}}
     assert not any("critical" in line for line in doubts(load_config(CONFIG | thick)))
@@ -278,14 +282,14 @@ def test_a_config_names_a_file_of_laws(root, law_file):
 def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
     examples = root / "examples" / "laws"
     law_file.write_text((examples / "cubic_damping.py").read_text())
-    made = gather("outputs", load_config(CONFIG | CELLS))
+    made = outputs(load_config(CONFIG | CELLS))
     assert made["statics"] and made["histories"]
     law_file.write_text("def solver(cell, step): return 1.0")
-    assert "statics" not in gather("outputs", load_config(CONFIG))
+    assert "statics" not in outputs(load_config(CONFIG))
     with pytest.raises(ConfigError, match=r"^histories: does not work with model"):
         load_config(CONFIG | CELLS)
     law_file.write_text((examples / "double_well.py").read_text())
-    assert "statics" not in gather("outputs", load_config(CONFIG | CELLS))
+    assert "statics" not in outputs(load_config(CONFIG | CELLS))
 
 
 def test_a_solver_of_ones_own_makes_a_cube(root, handout):
@@ -309,7 +313,7 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
         return 1.0 if cell.amplitude / cell.device.gravity > 900 * (1 + error) else None
 
     rows, built = to_rows(0, [F0], 0.0), build_model(batch([handout]), "reference")
-    usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Settings()).item()
+    usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Run()).item()
     asked = {"model": snaps_from_900_on, "spring": [4.0, 5.5]}
     edges = snapmap.threshold(handout, [F0], [0.0], **asked).squeeze()
     assert edges.N_first.values == pytest.approx(909.0, rel=1e-4)

@@ -17,7 +17,7 @@ from snapmap.solver.kernel.lanes import load
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.kernel.step import advance, rebound
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 
 def thrown(device, dt, steps, velocity, a=0.0):
@@ -72,7 +72,7 @@ def test_the_energy_is_known_to_rounding(handout, C):
         device = varied(handout, stop_toward=14.0, stop_away=3.0, restitution=e)
         model = build_model(device, "cosines", modes=3)
         cells = to_cells(device, 0, [600.0, 1100.0, 5000.0], [1500.0, 1500.0, 2e4], C, 2000.0)
-        assert model.follow_once(cells, Settings(2000.0)).energy_error.max() < 1e-11
+        assert model.follow_once(cells, Run(2000.0)).energy_error.max() < 1e-11
     elastic = varied(device, restitution=1.0)
     run = snapmap.simulate(elastic, 5000.0, 2e4, 0.0, model="cosines", modes=3)
     assert run.z_mass.max() - run.z_mass.min() == 17.0
@@ -117,7 +117,7 @@ def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
     model = build_model(device, "cosines", modes=modes)
     N = np.linspace(0.25, 1.0, 16) * highest
     cells = to_cells(device, 0, N, f0, 0.0, 200.0, 0, (make_pulse(shape).reversed(),))
-    settings = Settings(200.0, until="snap")
+    settings = Run(200.0, until="snap")
     usual, fine = (
         np.isfinite(each.follow_once(cells, settings).t_snap)
         for each in (model, model.with_step(0.125))

@@ -13,7 +13,7 @@ from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, label
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import amplitudes, asker, near, stretches, walk
 from snapmap.thresholds.settling import LONGER
 from snapmap.thresholds.survey import CLOSE_STEP, distance, find_changes, refine_edges
@@ -80,8 +80,8 @@ def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided,
     device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
     scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
     models, bound = Survey(scans, decides, decides, (scans,), None, np.ones(1)), np.full(2, 0.01)
-    changes = find_changes(models, rows, Settings(), 1e-6, highest, bound)
-    edges = refine_edges(decides, rows, Settings(), 1e-6, changes.edges, changes.ragged)
+    changes = find_changes(models, rows, Run(), 1e-6, highest, bound)
+    edges = refine_edges(decides, rows, Run(), 1e-6, changes.edges, changes.ragged)
     N_first, N_always, islands = stretches(edges, changes.is_open)
     always = decided[-2] if highest is None else np.nan
     np.testing.assert_allclose(N_first, [decided[0], np.nan], rtol=2e-6)
@@ -117,7 +117,7 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
     edges = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
     fine = build_model(handout, "cosines", modes=5).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
-    ask = asker(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0))
+    ask = asker(fine, to_rows(0, 11078.0, 100.0), Run(1500.0))
     snapped = np.isfinite(ask(N))
     assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
@@ -147,7 +147,7 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
     lowest, highest = edges.N_latched.values.ravel(), 2 * edges.N_first.values.ravel()
     latching = np.isfinite(lowest)
     assert latching.any() and not latching.all()
-    model, settings = build_model(batch([ringing]), "cosines"), Settings(1500.0)
+    model, settings = build_model(batch([ringing]), "cosines"), Run(1500.0)
     rows = to_rows(0, np.tile(f0, 2), np.repeat(C, 3), 0, HANDOUT_SHOCK.pulses)
     N = np.column_stack([lowest, highest])[latching]
     for factor in (1.0, LONGER):

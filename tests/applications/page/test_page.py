@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from small_results import SETTINGS, make_cells, swept
 
-from snapmap.applications.page import draw
+from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
 from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.study.netcdf import write
@@ -58,7 +58,7 @@ def page_file(cube, tmp_path_factory):
     paths.append(folder / "requirements.csv")
     paths[-1].write_text(VERDICTS)
     drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
-    draw({"explore": drawing}, folder, *paths)
+    application.draw({"explore": drawing}, folder, *paths)
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 

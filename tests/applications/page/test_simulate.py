@@ -11,7 +11,7 @@ from snapmap.device.device import ALONE
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import FIRST, SECOND, Settings
+from snapmap.solver.settings import FIRST, SECOND, Run
 from snapmap.solver.simd_loop import midpoints
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
@@ -48,7 +48,7 @@ def follow_both(tab, study, axes, start=FIRST):
 
     Twice: also of shocks that are stronger by NUDGE.
     """
-    grid, settings = study.set_out(axes), Settings(until="moved", start=start)
+    grid, settings = study.set_out(axes), Run(until="moved", start=start)
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, HORIZON).flat()
     columns = {"device": cells.device, "pulse": cells.pulse, "f0": cells.f0}

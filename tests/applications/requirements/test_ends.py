@@ -19,7 +19,7 @@ from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
 
@@ -33,7 +33,7 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device=device, model=model, settings=Settings(horizon=HORIZON))
+    return Study(device=device, model=model, settings=Run(horizon=HORIZON))
 
 
 def judged(study, *levels, f0=F0, snaps=True):

@@ -18,7 +18,7 @@ from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import lowest_snap
 
 
@@ -86,7 +86,7 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     static = static_threshold(device, back=start == "second")
     rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
     model, reach = build_model(device, "cosines", modes=3), tuple(static * np.array(reach))
-    return lowest_snap(model, rows, reach, Settings(0.0, "snap", start=start), 1e-4).item() / static
+    return lowest_snap(model, rows, reach, Run(0.0, "snap", start=start), 1e-4).item() / static
 
 
 @pytest.mark.parametrize("values", SLOW)

@@ -10,7 +10,7 @@ from typing import get_args
 
 import numpy as np
 
-from .applications import functions
+from .applications import observers
 from .config.plausible import OF_RUNS, implausible, unusual, unusual_runs, wide
 from .device.argument import Argument, argument_of
 from .device.device import VALUES, batch
@@ -34,7 +34,7 @@ def checked(function: Callable) -> Callable:
         for line in _doubts(values):
             warnings.warn(line, stacklevel=2)
         if function.__name__ == "sweep":
-            values["observers"] = functions("observe")
+            values["observers"] = observers()
         # Functions with a model follow cells, which are counted.
         with counting(function.__name__) if "model" in parameters else nullcontext():
             return function(**values)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..applications import gather
+from ..applications import attached
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
@@ -69,7 +69,7 @@ def doubts(study: Study) -> list[str]:
         lines += pulse.doubts(float(slowest), float(shortest), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
-    return lines + [line for part in gather("doubts", study).values() for line in part]
+    return lines + [line for part in attached().values() for line in part.doubts(study)]
 
 
 def barely(device: Device) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from ..applications import attached, key_of, merge
+from ..applications import attached, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
 from ..device.quantities import QUANTITIES
@@ -97,7 +97,7 @@ class Config(Study):
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
         laws = {self.model["laws"]: self.model["sha256"]} if "laws" in self.model else {}
-        return recorded | shapes | points | laws | merge("files", self)
+        return recorded | shapes | points | laws | merge(lambda part: part.files(self))
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
@@ -155,14 +155,12 @@ def load_config(document: Mapping) -> Config:
         source=document,
         units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
     )
-    for name, application in attached().items():
-        if hasattr(application, "request"):
-            key = key_of(name, application)
-            arguments = getattr(parts, key, None), study, parts
-            study.requests[name] = faults.catch((key,), application.request, *arguments)
-            laws = study.requests[name] and laws_of(study.model)
-            if laws and (name not in OF_LAWS or laws.solver):
-                faults.append(f"{key}: does not work with model.laws; leave one of them out")
+    for key, application in attached().items():
+        section = getattr(parts, key, None)
+        study.requests[key] = faults.catch((key,), application.request, section, study, parts)
+        laws = study.requests[key] and laws_of(study.model)
+        if laws and (key not in OF_LAWS or laws.solver):
+            faults.append(f"{key}: does not work with model.laws; leave one of them out")
     faults.refuse()
     return study
 

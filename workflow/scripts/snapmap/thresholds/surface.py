@@ -17,7 +17,7 @@ from ..solver.cells import Rows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from ..study import arguments
 from ..study.axes import Grid, rows_of
-from ..study.study import THRESHOLD_SETTINGS, Study, study_of
+from ..study.study import OF_THRESHOLDS, Study, study_of
 from ..study.variables import dress, flags
 from .cost import tell_cost
 from .search import nearby
@@ -107,7 +107,7 @@ def thresholds_of(
     axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
     settings = study.run
-    document = study.document(THRESHOLD_SETTINGS)
+    document = study.document(OF_THRESHOLDS)
     document["sweep"]["threshold_tolerance"] = tolerance
     grid, rows, models, columns = _search(study, axes, tolerance, highest)
     columns["N_bound"][least_amplitudes(models.decides, rows, settings.start) == 0] = np.nan

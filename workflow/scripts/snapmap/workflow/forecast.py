@@ -9,7 +9,7 @@ import warnings
 
 import numpy as np
 
-from ..applications import attached, functions, gather
+from ..applications import attached, gather, observers
 from ..config.study import Config
 from ..solver.adaptive import choose_model, choose_survey
 from ..solver.cost import steps_and_seconds
@@ -36,17 +36,13 @@ def forecast(study: Config) -> dict[str, float]:
         cells = _scaled(study, _cell_seconds, _follow, OF_CELLS)
         thresholds = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
     drawn = FIGURE * count_figures(study)
-    return {"cells": cells, "thresholds": thresholds, **gather("cost", study), "figures": drawn}
+    costs = gather(lambda part: part.cost(study))
+    return {"cells": cells, "thresholds": thresholds, **costs, "figures": drawn}
 
 
 def count_figures(study: Config) -> int:
     """Count the figures of a study, the page among them."""
-    made = gather("outputs", study)
-    of_applications = [
-        figures
-        for name, figures in gather("figures", study).items()
-        if name in made or hasattr(attached()[name], "drawn_from")
-    ]
+    of_applications = gather(lambda part: part.drawn(study)).values()
     return sum(map(len, [*choose_views(study).stems.values(), *of_applications]))
 
 
@@ -93,15 +89,15 @@ def _cell_seconds(study, grid):
     rows = rows_of(grid)
     cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.run.horizon)
     seconds = steps_and_seconds(built, cells, study.run)[1].sum()
-    for cost in functions("observing"):
-        seconds += np.sum(cost(built, cells, study.run))
+    for part in attached().values():
+        seconds += np.sum(part.observing(built, cells, study.run))
     return float(seconds) * study.axes["N"].size
 
 
 def _follow(study, axes):
     grid = study.set_out(axes)
     built = choose_model(grid.device, study.model, study.run.start)
-    follow_rows(built, rows_of(grid), study.axes["N"], study.run, functions("observe"))
+    follow_rows(built, rows_of(grid), study.axes["N"], study.run, observers())
 
 
 def search_seconds(study: Config, grid: Grid) -> float:

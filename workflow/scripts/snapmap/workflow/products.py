@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..applications import gather
+from ..applications import attached
 from ..config.study import Config
 from ..config.views import MAPS, View
 from ..study.axes import DIRECTION, SHAPE
@@ -71,7 +71,7 @@ def _with_shocks(view, study):
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
     of_map = shape.section, direction, study.run.start
-    marks = [mark for marks in gather("marks", study).values() for mark in marks]
+    marks = [mark for part in attached().values() for mark in part.marks(study)]
     required = [(name, f0, N, of_map in pushed) for name, f0, N, pushed in marks]
     return view._replace(required_shocks=tuple(required))
 

@@ -19,7 +19,7 @@ from ...solver.settings import SECOND
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
-from .. import functions
+from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
 from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
@@ -86,8 +86,8 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        for add in functions("in_datasheet"):
-            sheets += add(study, rows)
+        for application in attached().values():
+            sheets += application.in_datasheet(study, rows)
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]

@@ -1,3 +1,12 @@
 """The value of a device that gives a threshold or meets requirements.  Imports: core alone."""
 
-public = {"design": "design"}
+from __future__ import annotations
+
+from ..application import Application
+
+
+class Design(Application):
+    public = ("design.design",)
+
+
+application = Design()

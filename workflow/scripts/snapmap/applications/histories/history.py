@@ -105,7 +105,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
     if cells.pulses[0].blows.size:
         optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
-    optional |= merge("in_history", built, cells, settings)
+    optional |= merge(lambda part: part.in_history(built, cells, settings))
     return dress(
         "history",
         xr.Dataset({key: ("time", column) for key, column in values.items()}),
@@ -154,7 +154,8 @@ def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]
     """Find the extremes of one cell, and what other applications add to its history, by name."""
     built, cells, _ = _cell(study, N, f0, C)
     extremes = _record(built, cells, study.run, samples=1)[-1]
-    return extremes._asdict() | merge("in_history", built, cells, study.run)
+    added = merge(lambda part: part.in_history(built, cells, study.run))
+    return extremes._asdict() | added
 
 
 def _cell(study, N, f0, C):

@@ -13,7 +13,7 @@ from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...study.axes import Grid
-from ...study.study import THRESHOLD_SETTINGS, Study
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.search import asker, lowest_snap
 from ...thresholds.slow import HOLDS
@@ -41,7 +41,7 @@ def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
     rates = saddle_rates(beam := device.pick(0).beam, shapes_of(beam))
     snaps = ("C", "f0"), _snap_scales(study, device, grid.pulses[0], thresholds)
     laws = laws.assign(saddle_scale=("saddle", 1 / rates), snap_scale=snaps)
-    return dress("laws", laws, study.document(THRESHOLD_SETTINGS))
+    return dress("laws", laws, study.document(OF_THRESHOLDS))
 
 
 def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:

@@ -1,30 +1,14 @@
 """Shocks that must or must not trip a device.  Imports: histories, design."""
 
-rule, message = "check_requirements", "Check the required shocks"
-part, threads, priority = "5 Requirements", 4, 50
+from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-def section():
-    """A list of requirements of each kind that an application has."""
-    from ...config.keys import many
-    from .. import merge
-    from .sections import requirement
+from ..application import Application, Figures, Files, Mark
 
-    return many(requirement(merge("kinds")), "a list of shocks", out="none")
-
-
-def described():
-    """Its sections, as docs/config.md has them."""
-    from .sections import ShockSection
-
-    return {"each of requirements": ShockSection}
-
-
-def request(sections, study, document):
-    """The requirements, by unique names; ValueError, one line, for what the study cannot have."""
-    from .sections import read_requirements
-
-    return read_requirements(sections or (), study, document.pulse)
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
 def shocks_of(study):
@@ -47,74 +31,95 @@ def left_out(study):
     return names + [f"the {shock.more} of {shock.values['name']}" for shock in demanding]
 
 
-def files(study):
-    """Recorded shocks among the requirements."""
-    pulses = [required["pulse"] for required in shocks_of(study)]
-    return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+class Requirements(Application):
+    rule, message = "check_requirements", "Check the required shocks"
+    part, threads, priority = "5 Requirements", 4, 50
+
+    def section(self) -> Any:
+        """A list of requirements of each kind that an application has."""
+        from ...config.keys import many
+        from .. import merge
+        from .sections import requirement
+
+        return many(requirement(merge(lambda part: part.kinds())), "a list of shocks", out="none")
+
+    def described(self) -> Mapping[str, Any]:
+        """Its sections, as docs/config.md has them."""
+        from .sections import ShockSection
+
+        return {"each of requirements": ShockSection}
+
+    def request(self, section: Any, study: Config, document: Any) -> Any:
+        """The requirements, by unique names; ValueError, one line, for what a study cannot have."""
+        from .sections import read_requirements
+
+        return read_requirements(section or (), study, document.pulse)
+
+    def files(self, study: Config) -> Mapping[str, str]:
+        """Recorded shocks among the requirements."""
+        pulses = [required["pulse"] for required in shocks_of(study)]
+        return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+
+    def doubts(self, study: Config) -> list[str]:
+        """Lines about amplitudes that are hardly meant."""
+        from ...config.plausible import unusual_runs
+
+        return unusual_runs(N=[required["N"] for required in shocks_of(study)])
+
+    def marks(self, study: Config) -> list[Mark]:
+        """Required shocks, each under all its pulses and directions."""
+        from ...solver.settings import FIRST
+
+        marks = []
+        for required in shocks_of(study):
+            start = required.get("start", FIRST)
+            shocks = required["shocks"].each()
+            pushed = [(shock.pulse.section, shock.direction, start) for shock in shocks]
+            marks.append(Mark(required["name"], required["f0"], required["N"], pushed))
+        return marks
+
+    def cost(self, study: Config) -> float:
+        """Approximate core time of the verdicts on shocks, s."""
+        from .forecast import judged_seconds
+
+        where = study.axes["C"].tolist(), study.temperatures
+        return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
+
+    def outputs(self, study: Config) -> Files:
+        """The table of verdicts."""
+        required = study.requests["requirements"]
+        return {"requirements": "results/requirements.csv"} if required else {}
+
+    def params(self, study: Config) -> dict[str, Any]:
+        """Requirements, C, and the tolerance of thresholds."""
+        return {
+            "requirements": [requirement.plain() for requirement in study.requests["requirements"]],
+            "C": study.axes["C"].tolist(),
+            "temperatures": study.temperatures,
+            "tolerance": study.threshold_tolerance,
+        }
+
+    def run(self, study: Config, path: str) -> None:
+        """Judge the requirements, and write a row for each device, corner and C."""
+        from .verdicts import write_verdicts
+
+        write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
+
+    def figures(self, study: Config) -> Figures:
+        """The margins of all requirements."""
+        return {"requirements": {}}
+
+    def draw(self, figures: Figures, folder: str, requirements_path: str) -> None:
+        """Draw the margin of each requirement, a row for each worst corner."""
+        from ...figures import style
+        from .corners import corners, read_verdicts
+        from .figure import draw_margins
+
+        verdicts = read_verdicts(requirements_path)
+        attributes = {"title": "Margins of required shocks"}
+        height = 1.2 + 0.32 * len(corners(verdicts))
+        with style.saved(f"{folder}/requirements", attributes, height) as figure:
+            draw_margins(figure.subplots(), verdicts)
 
 
-def doubts(study):
-    """Lines about amplitudes that are hardly meant."""
-    from ...config.plausible import unusual_runs
-
-    return unusual_runs(N=[required["N"] for required in shocks_of(study)])
-
-
-def marks(study):
-    """Required shocks on maps: name, f0 (Hz), N, and a list of pulse, direction and start."""
-    from ...solver.settings import FIRST
-
-    for required in shocks_of(study):
-        start = required.get("start", FIRST)
-        shocks = required["shocks"].each()
-        pushed = [(shock.pulse.section, shock.direction, start) for shock in shocks]
-        yield required["name"], required["f0"], required["N"], pushed
-
-
-def cost(study):
-    """Approximate core time of the verdicts on shocks, s."""
-    from .forecast import judged_seconds
-
-    where = study.axes["C"].tolist(), study.temperatures
-    return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
-
-
-def outputs(study):
-    """The table of verdicts."""
-    required = study.requests["requirements"]
-    return {"requirements": "results/requirements.csv"} if required else {}
-
-
-def params(study):
-    """Requirements, C, and the tolerance of thresholds."""
-    return {
-        "requirements": [requirement.plain() for requirement in study.requests["requirements"]],
-        "C": study.axes["C"].tolist(),
-        "temperatures": study.temperatures,
-        "tolerance": study.threshold_tolerance,
-    }
-
-
-def run(study, path):
-    """Judge the requirements, and write a row for each device, corner and C."""
-    from .verdicts import write_verdicts
-
-    write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
-
-
-def figures(study):
-    """The margins of all requirements."""
-    return {"requirements": {}}
-
-
-def draw(figures, folder, requirements_path):
-    """Draw the margin of each requirement, a row for each worst corner."""
-    from ...figures import style
-    from .corners import corners, read_verdicts
-    from .figure import draw_margins
-
-    verdicts = read_verdicts(requirements_path)
-    attributes = {"title": "Margins of required shocks"}
-    height = 1.2 + 0.32 * len(corners(verdicts))
-    with style.saved(f"{folder}/requirements", attributes, height) as figure:
-        draw_margins(figure.subplots(), verdicts)
+application = Requirements()

@@ -15,7 +15,7 @@ from ...solver.models import Follows
 from ...solver.options import AutoOptions
 from ...solver.settings import Run
 from ...study import arguments
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.cost import run_seconds
 from ...thresholds.search import asker
@@ -95,7 +95,7 @@ def trips_of(
         "deviation": ("record", [dB[abs(dB).argmax()] for dB in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
-    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
+    document = study.document(OF_THRESHOLDS) | {"srs": points.tolist(), **drawn}
     return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
 
 

@@ -74,7 +74,7 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
         barrier=barrier.energy,
         largest_force=float(force[: 2 * POINTS].max()),
         least_force=float(force[POINTS:].min()),
-        **merge("in_statics", device, first, w, force),
+        **merge(lambda part: part.in_statics(device, first, w, force)),
     )
 
 

@@ -21,7 +21,7 @@ from ...study.axes import COORDINATES, NAMES
 from ...study.study import (
     ARRIVES,
     SNAPS,
-    THRESHOLD_SETTINGS,
+    OF_THRESHOLDS,
     Study,
     of_requirement,
     study_of,
@@ -115,7 +115,7 @@ def tolerances_of(
         if f"{key}_factor" in data:
             attributes = {"long_name": f"{key} over its nominal value", "units": "1"}
             data[f"{key}_factor"].attrs = attributes
-    document = study.document(THRESHOLD_SETTINGS)
+    document = study.document(OF_THRESHOLDS)
     document["tolerances"] = tolerances.section
     dataset = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:

@@ -13,7 +13,7 @@ from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import TEMPERATURE, Units, rows_of
-from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
+from ...study.study import ANY, SNAPS, OF_THRESHOLDS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import first_snaps
@@ -47,7 +47,7 @@ def window_of(
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
             under.append(_under_shock(single, axes, required, thresholds[pulse]))
         windows.append(_worst(under))
-    design, document = windows[0].reserve.dims, study.document(THRESHOLD_SETTINGS)
+    design, document = windows[0].reserve.dims, study.document(OF_THRESHOLDS)
     names = [required["name"] for required in requirements]
     window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
