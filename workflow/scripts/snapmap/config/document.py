@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 from typing_extensions import TypeAliasType
 
-from ..applications import attached, key_of
+from ..applications import gather
 from ..device.device import VALUES
 from ..files.named import sha256_of
 from ..files.tables import ROWS
@@ -212,12 +212,8 @@ def _dampers(written, sweep, several):
 
 def _document():
     """Make the record of the whole config: sections of the core and of all applications."""
-    sections = {
-        key_of(name, application): application.section()
-        for name, application in attached().items()
-        if hasattr(application, "section")
-    }
-    hints = {key: Annotated[hint | None, Field(description=what)] for key, (hint, what) in sections.items()}
+    sections = gather(lambda application: application.section())
+    hints = {key: Annotated[kind | None, Field(description=what)] for key, (kind, what) in sections.items()}
     body = dict.fromkeys(sections) | {"__annotations__": hints, "__doc__": Core.__doc__}
     return record(type("Document", (Core,), body))
 

@@ -1,0 +1,62 @@
+"""Calls of functions, held to the kinds of their signatures."""
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from typing import Any, get_args
+
+from .faults import Faults, line_at
+from .kinds import kind_of
+
+
+def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable) -> Callable:
+    """Wrap a function so that its arguments are converted by their kinds.
+
+    elsewhere: where a value that the function does not take belongs, by its name
+    prepare: takes function and arguments by name, and gives a context in which the function runs
+    A call raises TypeError for arguments that are missing or too many, and ValueError for wrong
+    ones; a line for each.
+    """
+    parameters = inspect.signature(function).parameters
+    kinds = {key: kind_of(parameter.annotation) for key, parameter in parameters.items()}
+
+    @functools.wraps(function)
+    def call(*positional: Any, **named: Any) -> Any:
+        values = _by_name(function.__name__, parameters, elsewhere, positional, named)
+        faults = []
+        for key, value in values.items():
+            optional = type(None) in get_args(parameters[key].annotation)
+            if kinds[key] and not (value is None and optional):
+                try:
+                    values[key] = kinds[key].take(value)
+                except ValueError as error:
+                    faults.append(line_at((key,), str(error)))
+        if faults:
+            raise Faults(*faults)
+        with prepare(function, values):
+            return function(**values)
+
+    return call
+
+
+def _by_name(function, parameters, elsewhere, positional, named):
+    """Give the arguments of a call by name; TypeError for missing ones, and for too many."""
+    first = [key for key, part in parameters.items() if part.kind is not part.KEYWORD_ONLY]
+    if len(positional) > len(first):
+        more = f"takes {len(first)} arguments without a name, not {len(positional)}"
+        raise TypeError(f"{function}: {more}")
+    values = dict(zip(first, positional, strict=False))
+    faults = [f"{key}: comes twice; write it once" for key in values if key in named]
+    for key in named:
+        if key not in parameters:
+            near = get_close_matches(key, [*parameters, *elsewhere], 3, 0.8)
+            near.sort(key=lambda word: sorted(word) != sorted(key))  # two letters changed places
+            hint = f"; did you mean {near[0]}?" if near else f" of {function}"
+            faults.append(f"{key}: is not an argument{elsewhere.get(key, hint)}")
+    for key, part in parameters.items():
+        if part.default is part.empty and key not in values and key not in named:
+            faults.append(f"{key}: missing; write {kind_of(part.annotation).need}")
+    if faults:
+        raise TypeError("\n".join(faults))
+    return values | named
