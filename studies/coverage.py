@@ -18,7 +18,7 @@ from snapmap.files.text import table
 from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.search import CLOSE_STEP
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
@@ -91,7 +91,7 @@ def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
     f0, C = (np.array(few(a)) for a in draw_shocks(draw, device, (slowest, FREQUENCIES[1])))
     model = build_model(device, **JUDGES[0]).with_step(JUDGED_STEP)
     cells = to_rows(0, f0, 0.0, 0, shocks.pulses).cells(device, 1.0, HORIZON).flat()
-    steps = cells.t_end / model.time_steps(cells, Settings(until="edge"))
+    steps = cells.t_end / model.time_steps(cells, Run(until="edge"))
     return device, shocks, f0, C, steps > MOST_STEPS
 
 
@@ -120,7 +120,7 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     about: thresholds near which they search
     """
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
-    settings = Settings(HORIZON, threads=THREADS)
+    settings = Run(HORIZON, threads=THREADS)
     judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
     by_judge = [look(Probe(model, rows, settings), about) for model in judges]
     mean = np.mean(by_judge, axis=0)

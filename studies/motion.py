@@ -16,7 +16,7 @@ from snapmap.files.text import table
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, t_snap_error, work_error
-from snapmap.solver.settings import MOVE, Settings
+from snapmap.solver.settings import MOVE, Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, few, number, stepped
@@ -32,7 +32,7 @@ MODELS = {
 }
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """Name of the reference, its step, and another step that shows its error, us."""
-SETTINGS = Settings(horizon=1000.0)
+SETTINGS = Run(horizon=1000.0)
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
 HEAD += ["reported: median", "third quartile", "largest"]
@@ -135,7 +135,7 @@ def judged(draw, modes):
     f0, C = np.meshgrid(*draw_shocks(draw, device))
     if device.beam.free and modes > 5:
         return np.empty((5, 0))
-    settings = Settings(horizon=2 * np.pi / device.own_frequency, until="moved", repeat=False)
+    settings = Run(horizon=2 * np.pi / device.own_frequency, until="moved", repeat=False)
     model, rows = build_model(device, "cosines", modes=modes), to_rows(0, f0, C, 0, shocks.pulses)
     bracket = tuple(reach * float(static_threshold(device)) for reach in REACHES)
     found = lowest_snap(Probe(model, rows, settings), bracket, CLOSE, COARSE)

@@ -17,7 +17,7 @@ from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
+from snapmap.solver.settings import EDGE, SNAP, STAY, Run
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.probe import Probe
 from snapmap.thresholds.search import scan_upwards
@@ -98,7 +98,7 @@ def edges():
         errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
     device = load_device(ROOT / "config" / "config.yaml")
     rows = to_rows(0, few(F0), C[:, np.newaxis])
-    of_handout = errors_of_rows(device, rows, Settings(threads=THREADS))
+    of_handout = errors_of_rows(device, rows, Run(threads=THREADS))
     of_random = np.concatenate(errors, axis=1)
     for name, random, handout in zip(few(RULES), of_random, of_handout, strict=True):
         yield [name, *_spread(random), *_spread(handout)[:-1]]
@@ -142,7 +142,7 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS), rules)
+    return errors_of_rows(device, rows, Run(horizon, threads=THREADS), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):
@@ -168,7 +168,7 @@ def errors_of_rows(device, rows, settings, rules=RULES):
 def stays():
     """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
-    settings = Settings(6000.0, threads=THREADS)
+    settings = Run(6000.0, threads=THREADS)
     device = load_device(ROOT / "config" / "config.yaml")
     beam = replace(device.beam, damping=1e-3)
     for contact in few(CONTACTS):

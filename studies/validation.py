@@ -20,7 +20,7 @@ from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
@@ -242,7 +242,7 @@ def thresholds(device):
 
 
 def _threshold(model):
-    rows, settings = to_rows(0, F0, C), Settings(0.0)
+    rows, settings = to_rows(0, F0, C), Run(0.0)
     return lowest_snap(Probe(model, rows, settings), (500.0, 2500.0), 1e-9).item()
 
 

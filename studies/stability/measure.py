@@ -13,7 +13,7 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, label
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.solver.steps import stability_limit
 from snapmap.study.variables import flags, variables
 from snapmap.thresholds.probe import Probe, lowest_snap
@@ -117,13 +117,13 @@ def measure_pair(
 
 def _default_step(device, model, case):
     """The default step of a sweep for the case, us."""
-    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
+    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Run()
     return model.steps.of(cells, settings.question).item()
 
 
 def _follow(case, model, limit, steps):
     """Values at the default step, and also at all steps unless that takes too long."""
-    cells, settings = _cells(model, case, limit), Settings(case.horizon)
+    cells, settings = _cells(model, case, limit), Run(case.horizon)
 
     @cache
     def follow_at(dt):
@@ -152,14 +152,14 @@ def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
         fine = stepped(model, FINE_STEPS[0] * limit)
-        row, settings = to_rows(0, case.f0, case.C), Settings(horizon=300.0)
+        row, settings = to_rows(0, case.f0, case.C), Run(horizon=300.0)
         N *= lowest_snap(Probe(fine, row, settings), SEARCHED, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))
     return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
 
 
 def _to_runs(observed):
-    outcome = label(*observed[:4], Settings().energy_tolerance)
+    outcome = label(*observed[:4], Run().energy_tolerance)
     return Runs(outcome, observed.t_snap, observed.t_settled, observed.energy_error)
 
 

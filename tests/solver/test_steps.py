@@ -10,7 +10,7 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import FIRST, SECOND, Settings
+from snapmap.solver.settings import FIRST, SECOND, Run
 from snapmap.solver.steps import (
     arch_frequency,
     largest_speed,
@@ -58,7 +58,7 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
     np.testing.assert_array_equal(striking_speed(stopped, cells, FIRST), [0.0, fastest[1]])
     usual, shorter = (
         build_model(device, "cosines", modes=3).time_steps(
-            cells._replace(amplitude=1e6 * fastest), Settings()
+            cells._replace(amplitude=1e6 * fastest), Run()
         )
         for device in (handout, stopped)
     )
@@ -66,7 +66,7 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
 
 
 def threshold(model, f0, C, pulse, tolerance):
-    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Settings(300.0, until="snap")
+    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Run(300.0, until="snap")
     reach = static_threshold(model.device) * np.array([0.5, 4.0])
     return lowest_snap(Probe(model, rows, settings), tuple(reach), tolerance)
 

@@ -9,7 +9,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
 from snapmap.thresholds.probe import Probe
 from snapmap.thresholds.ragged import CLEAN_REACH, scan_ragged
@@ -37,7 +37,7 @@ TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
 )
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
     rows = to_rows(0, f0, C, 0, [how["pulse"]])
-    settings = Settings(how["horizon"], start=how["start"])
+    settings = Run(how["horizon"], start=how["start"])
     eleven = build_model(batch([device]), "cosines", modes=11)
 
     def snaps(step, N):
@@ -71,7 +71,7 @@ class Counted:
 
 def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
     """Of fast pulses, under which labels of some rows change back and forth."""
-    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Settings()
+    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Run()
     f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
     rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
     N = lowest(Search(models, rows, settings))
@@ -110,7 +110,7 @@ def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(hand
     models = choose_survey(device, {"name": "cosines", "modes": 3})
     other = models.decides.with_step(4.0)
     models = models._replace(others=(models.decides,), finest=other)
-    rows, settings = to_rows(0, [1e4, 28e3], 0.025), Settings(horizon=300.0)
+    rows, settings = to_rows(0, [1e4, 28e3], 0.025), Run(horizon=300.0)
     found = survey(Search(models, rows, settings))
     assert found.ragged.all()
     window = Window(found.N_first / 1.03, 1.03 * found.N_first, np.full(rows.f0.size, 1e-3))

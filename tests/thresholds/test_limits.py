@@ -14,7 +14,7 @@ from snapmap.pulse.pulse import make_pulse, sampled
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.slow import HEAVY, growth_rate, slow_factor
 from snapmap.thresholds.summary import summary, tidy
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
@@ -127,7 +127,7 @@ def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
     model = build_model(light, "cosines", modes=3)
     assert model.steps.pressed > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
-    assert model.follow(cells, Settings(20.0)).energy_error < 1e-6
+    assert model.follow(cells, Run(20.0)).energy_error < 1e-6
 
 
 SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])

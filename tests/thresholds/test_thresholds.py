@@ -13,7 +13,7 @@ from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, label
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.bars import distance
 from snapmap.thresholds.edges import stretches
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
@@ -89,7 +89,7 @@ def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided,
     device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
     scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
     models = Survey(scans, decides, decides, (scans,), None, np.ones(1))
-    search = Bounded(models, rows, Settings(), 1e-6, highest)
+    search = Bounded(models, rows, Run(), 1e-6, highest)
     changes = find_changes(search)
     edges = refine_edges(search.probe(decides), changes.edges, changes.ragged, 1e-6)
     N_first, N_always, islands = stretches(edges, changes.is_open)
@@ -127,7 +127,7 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
     edges = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
     fine = build_model(handout, "cosines", modes=5).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
-    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0)).snaps(N)
+    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Run(1500.0)).snaps(N)
     assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
     assert abs(first - edges.N_first) <= edges.N_error
@@ -156,7 +156,7 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
     lowest, highest = edges.N_latched.values.ravel(), 2 * edges.N_first.values.ravel()
     latching = np.isfinite(lowest)
     assert latching.any() and not latching.all()
-    model, settings = build_model(batch([ringing]), "cosines"), Settings(1500.0)
+    model, settings = build_model(batch([ringing]), "cosines"), Run(1500.0)
     rows = to_rows(0, np.tile(f0, 2), np.repeat(C, 3), 0, HANDOUT_SHOCK.pulses)
     N = np.column_stack([lowest, highest])[latching]
     for factor in (1.0, LONGER):

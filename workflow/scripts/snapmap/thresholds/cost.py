@@ -20,7 +20,7 @@ def run_seconds(probe: Probe) -> np.ndarray:
     """Estimate the core time of a run of each row, s, (rows,)."""
     model, rows, settings, until = probe
     cells = rows.cells(model.device, 0.0, settings.horizon)
-    return steps_and_seconds(model, cells, settings._replace(until=until))[1][:, 0]
+    return steps_and_seconds(model, cells, settings.but(until=until))[1][:, 0]
 
 
 def survey_seconds(search: Search) -> float:

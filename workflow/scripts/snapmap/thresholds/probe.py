@@ -8,7 +8,7 @@ import numpy as np
 
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import THRESHOLD_TOLERANCE, Run
 
 SCAN_STEP = 0.03
 """Relative step of the amplitudes in a first scan."""
@@ -41,7 +41,7 @@ class Probe(NamedTuple):
 
     model: Follows
     rows: Rows
-    settings: Settings
+    settings: Run
     until: str = "edge"
 
     def __call__(self, N: np.ndarray) -> np.ndarray:
@@ -58,7 +58,7 @@ class Probe(NamedTuple):
 
     def observe(self, N: np.ndarray) -> Approach:
         """Tell how near cells come to a snap at N, (rows, n)."""
-        settings, known = self.settings._replace(until=self.until, repeat=False), np.isfinite(N)
+        settings, known = self.settings.but(until=self.until, repeat=False), np.isfinite(N)
         cells = self.rows.cells(self.model.device, N, settings.horizon).take(known)
         runs = self.model.follow(cells, settings)
         lost = np.isnan(runs.t_snap) & ~(runs.energy_error <= settings.energy_tolerance)

@@ -19,7 +19,7 @@ from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
 from .probe import SCAN_STEP, TOGETHER, Probe, amplitudes, first_snap, refine
 from .ragged import CLEAN_REACH, RAGGED_REACH, RAGGED_STEP, scan_ragged
@@ -53,7 +53,7 @@ class Search(NamedTuple):
 
     models: Survey
     rows: Rows
-    settings: Settings
+    settings: Run
     tolerance: float = THRESHOLD_TOLERANCE
     highest: float | None = None
     from_bound: bool = False

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from ..device.quantities import plain
+from ..files.text import plain
 from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
 
 

@@ -13,7 +13,7 @@ from ..solver.bounds import least_amplitudes
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study import arguments
 from ..study.axes import Grid, rows_of
-from ..study.study import THRESHOLD_SETTINGS, Study, study_of
+from ..study.study import OF_THRESHOLDS, Study, study_of
 from ..study.variables import dress, flags
 from .cost import tell_cost
 from .limits import limits_of, slow_law
@@ -75,12 +75,12 @@ def thresholds_of(
 
     axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
-    document = study.document(THRESHOLD_SETTINGS)
+    document = study.document(OF_THRESHOLDS)
     document["sweep"]["threshold_tolerance"] = tolerance
     grid = study.set_out(axes)
     search = search_of(study, grid)._replace(tolerance=tolerance, highest=highest)
     columns, rows, decides = _search(search, grid), search.rows, search.models.decides
-    columns["N_bound"][least_amplitudes(decides, rows, study.settings.start) == 0] = np.nan
+    columns["N_bound"][least_amplitudes(decides, rows, study.run.start) == 0] = np.nan
     warn_of_bars(columns["N_first"], columns["N_error"], tolerance)
     columns["N_latched"] = _find_latched(search, columns)
     peak = np.array([pulse.peak for pulse in rows.pulses])
@@ -105,8 +105,8 @@ def first_snaps(
 
 def search_of(study: Study, grid: Grid) -> Search:
     """Make the search for the thresholds of a grid of a study."""
-    models = choose_survey(grid.device, study.model, study.settings.start)
-    return Search(models, rows_of(grid), study.settings)
+    models = choose_survey(grid.device, study.model, study.run.start)
+    return Search(models, rows_of(grid), study.run)
 
 
 def _search(search, grid):

@@ -90,19 +90,19 @@ def _timed(do, *arguments):
 
 def _cell_seconds(study, grid):
     """Estimate the core time of the cells of a grid, at all N of the study, s."""
-    built = choose_model(grid.device, study.model, study.settings.start).levels[0]
+    built = choose_model(grid.device, study.model, study.run.start).levels[0]
     rows = rows_of(grid)
-    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.settings.horizon)
-    seconds = steps_and_seconds(built, cells, study.settings)[1].sum()
+    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.run.horizon)
+    seconds = steps_and_seconds(built, cells, study.run)[1].sum()
     for cost in functions("observing"):
-        seconds += np.sum(cost(built, cells, study.settings))
+        seconds += np.sum(cost(built, cells, study.run))
     return float(seconds) * study.axes["N"].size
 
 
 def _follow(study, axes):
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.settings.start)
-    follow_rows(built, rows_of(grid), study.axes["N"], study.settings, functions("observe"))
+    built = choose_model(grid.device, study.model, study.run.start)
+    follow_rows(built, rows_of(grid), study.axes["N"], study.run, functions("observe"))
 
 
 def search_seconds(study: Config, grid: Grid) -> float:

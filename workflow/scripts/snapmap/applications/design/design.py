@@ -185,14 +185,14 @@ def _threshold_finder(study, value, C, goals) -> Callable:
     pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
     N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
-    starts = np.array([goal.get("start", study.settings.start) for goal in goals])
+    starts = np.array([goal.get("start", study.run.start) for goal in goals])
 
     def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
         N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mask = starts[i] == start
-            started = replace(study, settings=study.settings._replace(start=str(start)))
+            started = replace(study, run=study.run.but(start=str(start)))
             values = {value: tried.ravel()[mask]}
             dampers = values.pop("C", C)
             N_first[mask], error[mask], exists[mask] = thresholds_at(

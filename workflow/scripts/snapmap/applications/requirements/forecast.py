@@ -29,7 +29,7 @@ def judged_seconds(
         grid, settings = shaken.set_out({"C": C, "f0": [shock["f0"]]}), shaken.settings
         search = search_of(shaken, grid)
         cells = search.rows.cells(grid.device, shock["N"], settings.horizon)
-        to_end = settings._replace(until="settled")
+        to_end = settings.but(until="settled")
         seconds += PER_VERDICT * search.rows.f0.size + survey_seconds(search)
         seconds += RUNS * float(steps_and_seconds(search.models.decides, cells, to_end)[1].sum())
     return seconds

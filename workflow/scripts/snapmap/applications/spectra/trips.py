@@ -13,7 +13,7 @@ from ...solver.cells import to_rows
 from ...solver.cost import tell
 from ...solver.options import AutoOptions
 from ...study import arguments
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.cost import run_seconds
 from ...thresholds.probe import Probe
@@ -78,7 +78,7 @@ def trips_of(
     exists, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
     rows, first = rows.take(exists), records[0].pulse
     draws = len(seeds) * draw_seconds(points, first)
-    probe = Probe(model, rows, study.settings, "snap")
+    probe = Probe(model, rows, study.run, "snap")
     tell_records("srs_test", probe, first, len(seeds), draws)
     records += [record(points, seed) for seed in seeds[1:]]
     pulses, peaks, deviations = map(list, zip(*records, strict=True))
@@ -94,7 +94,7 @@ def trips_of(
         "deviation": ("record", [dB[abs(dB).argmax()] for dB in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
-    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
+    document = study.document(OF_THRESHOLDS) | {"srs": points.tolist(), **drawn}
     return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
 
 
