@@ -21,7 +21,7 @@ from snapmap.config.devices import read_device
 from snapmap.device.device import Device
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
-from snapmap.thresholds.search import refine
+from snapmap.thresholds.probe import refine
 
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = "--small"

@@ -16,11 +16,12 @@ from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.files.text import table
 from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
-from snapmap.solver.cells import Rows, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
-from snapmap.thresholds.survey import CLOSE_STEP, FOUND, NOT_FOLLOWED, NOTHING_SNAPS
+from snapmap.thresholds.probe import Probe, lowest_snap
+from snapmap.thresholds.search import CLOSE_STEP
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .common import SMALL, Run, few, number
 from .random_devices import (
@@ -121,18 +122,18 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
     settings = Run(HORIZON, threads=THREADS)
     judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
-    by_judge = [look(model, rows, about, settings) for model in judges]
+    by_judge = [look(Probe(model, rows, settings), about) for model in judges]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
 
 
-def look(model, rows: Rows, about, settings: Run) -> np.ndarray:
+def look(probe: Probe, about: np.ndarray) -> np.ndarray:
     """Find thresholds by one judge, (thresholds,); NaN if there is none within REACHES."""
     N = np.full(about.size, np.nan)
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(N))
         bracket = about[left] / reach, about[left] * reach
-        N[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, WIDTH)
+        N[left] = lowest_snap(probe.take(left), bracket, REFINED, WIDTH)
     return N
 
 

@@ -14,7 +14,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import HANDOUT_PULSES, Rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.slow import growth_rate, slow_factor
 
 from .common import few, number
@@ -68,7 +68,7 @@ def _row(devices, ratio, reach):
     rows = Rows(every, 1e6 * f0, C, 0 * every, HANDOUT_PULSES)
     model = build_model(devices, **MODEL).with_step(STEP)
     bracket = law * (1 - reach), law * (1 + reach)
-    N = lowest_snap(model, rows, bracket, Run(), TOLERANCE, reach / PARTS)
+    N = lowest_snap(Probe(model, rows, Run()), bracket, TOLERANCE, reach / PARTS)
     excess, error = (N / static - 1) / (law / static - 1), abs(N / law - 1)
     shares = (f"{np.mean(error <= share):.0%}" for share in WITHIN)
     known = np.isfinite(N)

@@ -17,7 +17,7 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import REPEATED_STEP, t_snap_error, work_error
 from snapmap.solver.settings import MOVE, Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, few, number, stepped
 from .random_devices import draw_pulse, draw_shocks, draw_widest_device, even
@@ -138,7 +138,7 @@ def judged(draw, modes):
     settings = Run(horizon=2 * np.pi / device.own_frequency, until="moved", repeat=False)
     model, rows = build_model(device, "cosines", modes=modes), to_rows(0, f0, C, 0, shocks.pulses)
     bracket = tuple(reach * float(static_threshold(device)) for reach in REACHES)
-    found = lowest_snap(model, rows, bracket, settings, CLOSE, COARSE)
+    found = lowest_snap(Probe(model, rows, settings), bracket, CLOSE, COARSE)
     N = found * [1 + even(draw, *ABOVE) for _ in found]
     known = np.isfinite(N)
     cells = rows.take(known).cells(device, N[known, np.newaxis], settings.horizon).flat()

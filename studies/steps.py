@@ -19,8 +19,8 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import EDGE, SNAP, STAY, Run
 from snapmap.solver.steps import LONGEST
-from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker
-from snapmap.thresholds.survey import first_seen, scan_range
+from snapmap.thresholds.probe import Probe
+from snapmap.thresholds.search import scan_upwards
 
 from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
@@ -151,15 +151,14 @@ def errors_of_rows(device, rows, settings, rules=RULES):
 
     def ask(rule):
         ruled, question = changed(model, **rule)
-        return asker(ruled, rows, settings, until=question)
+        return Probe(ruled, rows, settings, question)
 
     def near(rule, N):
         return threshold_near(ask(rule), N, NEAR, REFINED)
 
     bound = least_amplitudes(model, rows)
     static = static_threshold(model.device)
-    wide = amplitudes(*scan_range(model.device, static, rows, bound), SCAN_STEP)
-    fine = near(FINE, first_seen(ask(RULES[DEFAULT]), wide, bound)[0])
+    fine = near(FINE, scan_upwards(ask(RULES[DEFAULT]), static, bound)[0])
     finer = near(FINER, fine)
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)

@@ -21,7 +21,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
 
@@ -243,7 +243,7 @@ def thresholds(device):
 
 def _threshold(model):
     rows, settings = to_rows(0, F0, C), Run(0.0)
-    return lowest_snap(model, rows, (500.0, 2500.0), settings, 1e-9).item()
+    return lowest_snap(Probe(model, rows, settings), (500.0, 2500.0), 1e-9).item()
 
 
 def _short_of_snap(model, N):

@@ -16,7 +16,7 @@ from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Run
 from snapmap.solver.steps import stability_limit
 from snapmap.study.variables import flags, variables
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from ..common import bending_limit, stepped
 from .cases import APART, CASES, MODELS, Case, changed
@@ -153,7 +153,7 @@ def _cells(model, case, limit):
     if case.of_threshold:
         fine = stepped(model, FINE_STEPS[0] * limit)
         row, settings = to_rows(0, case.f0, case.C), Run(horizon=300.0)
-        N *= lowest_snap(fine, row, SEARCHED, settings, tolerance=10 * APART)[0]
+        N *= lowest_snap(Probe(fine, row, settings), SEARCHED, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))
     return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
 

@@ -18,7 +18,7 @@ from snapmap.files.atomic import fingerprint, hold, refuse_others
 from snapmap.files.text import exact, is_showable, stem_of
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
-from snapmap.thresholds.rows import tidy
+from snapmap.thresholds.summary import tidy
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 

@@ -29,7 +29,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
 from snapmap.solver.plain_loop import nodal_system
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 F0 = 1500.0
 SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um], horizon: 0 us}"
@@ -100,7 +100,7 @@ def double_well(handout, laws):
 
 def first_snap(model, rows, expected, tolerance):
     bracket = 0.9 * expected, 1.1 * expected
-    return lowest_snap(model, rows, bracket, Run(1500.0), tolerance).item()
+    return lowest_snap(Probe(model, rows, Run(1500.0)), bracket, tolerance).item()
 
 
 def test_a_short_pulse_must_bring_the_energy_of_the_saddle_a_slow_one_the_force(double_well, laws):

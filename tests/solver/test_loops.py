@@ -17,7 +17,7 @@ from snapmap.solver.kernel import rows as R
 from snapmap.solver.models import build_model
 from snapmap.solver.plain_loop import System, follow, nodal_system
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def march(device, N, f0, C, dt, duration, target=-np.inf, change=lambda system: system):
@@ -142,7 +142,8 @@ def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
 def threshold(device, name, C=0.025, step=None, **size):
     model, settings = build_model(device, name, **size), Run(300.0, until="snap")
     model = in_steps(model, step) if step else model
-    return lowest_snap(model, to_rows(0, 1500.0, C), (700.0, 1100.0), settings, 1e-6).item()
+    probe = Probe(model, to_rows(0, 1500.0, C), settings)
+    return lowest_snap(probe, (700.0, 1100.0), 1e-6).item()
 
 
 def test_the_handouts_elements_have_the_threshold_of_the_reference(handout):

@@ -17,7 +17,7 @@ from snapmap.solver.steps import (
     strike_tightening,
     striking_speed,
 )
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
@@ -68,7 +68,7 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
 def threshold(model, f0, C, pulse, tolerance):
     rows, settings = to_rows(0, f0, C, 0, (pulse,)), Run(300.0, until="snap")
     reach = static_threshold(model.device) * np.array([0.5, 4.0])
-    return lowest_snap(model, rows, tuple(reach), settings, tolerance)
+    return lowest_snap(Probe(model, rows, settings), tuple(reach), tolerance)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -10,16 +10,11 @@ from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import Window, asker, nothing_seen, outermost, scan
-from snapmap.thresholds.survey import (
-    CLEAN_REACH,
-    CLOSE_PLACES,
-    CLOSE_STEP,
-    close_edges,
-    lowest,
-    scan_ragged,
-    survey,
-)
+from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
+from snapmap.thresholds.probe import Probe
+from snapmap.thresholds.ragged import CLEAN_REACH, scan_ragged
+from snapmap.thresholds.search import CLOSE_PLACES, CLOSE_STEP, Search, close_edges
+from snapmap.thresholds.survey import lowest, survey
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
 THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
@@ -46,7 +41,7 @@ def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, h
     eleven = build_model(batch([device]), "cosines", modes=11)
 
     def snaps(step, N):
-        return np.isfinite(asker(eleven.with_step(step), rows, settings)(N[np.newaxis])[0])
+        return Probe(eleven.with_step(step), rows, settings).snaps(N[np.newaxis])[0]
 
     labels, finer_labels = (snaps(step, N) for step in (1.0, 0.5))
     sure = labels == finer_labels
@@ -79,10 +74,10 @@ def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
     models, settings = choose_survey(batch([handout]), {"name": "auto"}), Run()
     f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
     rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
-    N = lowest(models, rows, settings, 1e-4)
-    edges, begins, *_ = close_edges(counted, rows, settings, N / 1.0001, N)
+    N = lowest(Search(models, rows, settings))
+    edges, begins, *_ = close_edges(Probe(counted, rows, settings), N / 1.0001, N)
     window = Window(N / CLEAN_REACH, N * CLEAN_REACH, np.full(N.size, CLOSE_STEP))
-    dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
+    dense, dense_begins, _ = scan(Probe(models.decides, rows, settings), window.N)
     np.testing.assert_array_equal(begins, dense_begins)
     seen, there = ([each.high[each.row == i] for i in range(N.size)] for each in (edges, dense))
     for N_row, few, many in zip(N, seen, there, strict=True):
@@ -116,9 +111,9 @@ def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(hand
     other = models.decides.with_step(4.0)
     models = models._replace(others=(models.decides,), finest=other)
     rows, settings = to_rows(0, [1e4, 28e3], 0.025), Run(horizon=300.0)
-    found = survey(models, rows, settings)
+    found = survey(Search(models, rows, settings))
     assert found.ragged.all()
     window = Window(found.N_first / 1.03, 1.03 * found.N_first, np.full(rows.f0.size, 1e-3))
-    edges, *_ = scan(asker(other, rows, settings, "snap"), window.N)
+    edges, *_ = scan(Probe(other, rows, settings, "snap"), window.N)
     firsts = outermost(edges.row, edges.high, rows.f0.size)[0]
     assert (abs(firsts - found.N_first) <= found.N_error).all()

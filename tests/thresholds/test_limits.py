@@ -15,9 +15,8 @@ from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.rows import tidy
 from snapmap.thresholds.slow import HEAVY, growth_rate, slow_factor
-from snapmap.thresholds.surface import summary
+from snapmap.thresholds.summary import summary, tidy
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 

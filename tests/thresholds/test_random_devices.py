@@ -9,7 +9,7 @@ from snapmap.pulse.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 from studies import coverage
 from studies.coverage import ask, draw_rows, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
@@ -20,7 +20,7 @@ def assert_covered(device, f0, C, within, reach, shock=HANDOUT_SHOCK):
     edge = snapmap.threshold(device, [f0], [C], pulse=shock.pulse, threads=2).squeeze()
     fine = in_steps(build_model(device, "elements", elements=20, modes=9), 0.3)
     rows, bracket = to_rows(0, f0, C, 0, shock.pulses), edge.N_first.item() * (1 + reach)
-    truth = lowest_snap(fine, rows, tuple(bracket), Run(threads=2), 1e-5, 0.002)[0]
+    truth = lowest_snap(Probe(fine, rows, Run(threads=2)), tuple(bracket), 1e-5, 0.002)[0]
     assert abs(truth - edge.N_first) < edge.N_error < within * edge.N_first
     return edge
 

@@ -14,9 +14,12 @@ from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import LATCHED, label
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import amplitudes, asker, near, stretches, walk
+from snapmap.thresholds.bars import distance
+from snapmap.thresholds.edges import stretches
+from snapmap.thresholds.probe import Probe, amplitudes, near, walk
+from snapmap.thresholds.ragged import refine_edges
+from snapmap.thresholds.search import CLOSE_STEP, Search, find_changes
 from snapmap.thresholds.settling import LONGER
-from snapmap.thresholds.survey import CLOSE_STEP, distance, find_changes, refine_edges
 
 CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 
@@ -59,6 +62,12 @@ class Snapping:
         return Snapping(self.device, SIMPLE)
 
 
+class Bounded(Search):
+    """A search whose models know no energy."""
+
+    bound = np.full(2, 0.01)
+
+
 SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
 
 
@@ -79,9 +88,10 @@ SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
 def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided, highest):
     device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
     scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
-    models, bound = Survey(scans, decides, decides, (scans,), None, np.ones(1)), np.full(2, 0.01)
-    changes = find_changes(models, rows, Run(), 1e-6, highest, bound)
-    edges = refine_edges(decides, rows, Run(), 1e-6, changes.edges, changes.ragged)
+    models = Survey(scans, decides, decides, (scans,), None, np.ones(1))
+    search = Bounded(models, rows, Run(), 1e-6, highest)
+    changes = find_changes(search)
+    edges = refine_edges(search.probe(decides), changes.edges, changes.ragged, 1e-6)
     N_first, N_always, islands = stretches(edges, changes.is_open)
     always = decided[-2] if highest is None else np.nan
     np.testing.assert_allclose(N_first, [decided[0], np.nan], rtol=2e-6)
@@ -117,8 +127,7 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
     edges = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
     fine = build_model(handout, "cosines", modes=5).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
-    ask = asker(fine, to_rows(0, 11078.0, 100.0), Run(1500.0))
-    snapped = np.isfinite(ask(N))
+    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Run(1500.0)).snaps(N)
     assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
     assert abs(first - edges.N_first) <= edges.N_error

@@ -9,8 +9,8 @@ from snapmap.numerics.portable import linear
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds import surface
-from snapmap.thresholds.search import nearby
+from snapmap.thresholds import verified
+from snapmap.thresholds.probe import Probe, nearby
 from snapmap.thresholds.verified import Expected, fill
 
 ASKED = {"C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
@@ -53,7 +53,7 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     rows = to_rows(0, 1000.0, np.full(4, 25.0))
     known = snapmap.threshold(handout, [1000.0], **ASKED)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = nearby(model, rows, Run(300.0), guess, 1e-4)
+    _, N = nearby(Probe(model, rows, Run(300.0)), guess, 1e-4)
     assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
     assert np.isnan(N[3])
 
@@ -67,5 +67,5 @@ def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     for each, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
         apart = abs(each.N_first - other.N_first.sel(thickness=each.thickness[:5:2]))
         assert (apart <= each.N_error).all()
-    monkeypatch.setattr(surface, "ROWS", 1)
+    monkeypatch.setattr(verified, "ROWS", 1)
     xr.testing.assert_identical(snapmap.threshold(handout, f0, **ASKED, thickness=thickness), whole)

@@ -211,7 +211,7 @@ def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
 
 EDITS = (
     ("snapmap/applications/page/explore.js", DRAWING),
-    ("snapmap/thresholds/survey.py", RULES),
+    ("snapmap/thresholds/search.py", RULES),
     ("snapmap/workflow/command.py", set()),
     pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
     pytest.param("jobs.py", RULES, marks=pytest.mark.long),

@@ -49,8 +49,8 @@ def find_threshold(study, path, table_path, quick):
     quick: files of each quick application by their names, by the names of their folders
     """
     from snapmap.study.netcdf import write_product
-    from snapmap.thresholds.rows import tidy
-    from snapmap.thresholds.surface import summary, thresholds_of
+    from snapmap.thresholds.summary import summary, tidy
+    from snapmap.thresholds.surface import thresholds_of
 
     for name, files in quick.items():
         attached()[name].run(study, **{f"{key}_paths": paths for key, paths in files.items()})

@@ -19,7 +19,7 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,8 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     static = static_threshold(device, back=start == "second")
     rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
     model, reach = build_model(device, "cosines", modes=3), tuple(static * np.array(reach))
-    return lowest_snap(model, rows, reach, Run(0.0, "snap", start=start), 1e-4).item() / static
+    probe = Probe(model, rows, Run(0.0, start=start))
+    return lowest_snap(probe, reach, 1e-4).item() / static
 
 
 @pytest.mark.parametrize("values", SLOW)

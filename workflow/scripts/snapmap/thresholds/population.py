@@ -18,13 +18,14 @@ from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
 from ..solver.outcome import LATCHED, label, side_at_end
-from ..solver.settings import THRESHOLD_TOLERANCE, Run
+from ..solver.settings import Run
 from ..study.study import ANY, Study, of_requirement
+from .bars import distance
 from .cost import tell_cost
+from .probe import Probe, refine
 from .regression import nominal_thresholds, thresholds_of_samples
-from .search import asker, refine
-from .surface import find_thresholds
-from .survey import distance
+from .search import Search
+from .verified import find_thresholds
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
@@ -106,11 +107,11 @@ class Batch:
             which, part = choice.rows, rows.take(choice.rows)
             if not which.any():
                 continue
-            N = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
+            N = nominal_thresholds(Probe(choice.of(self.nominal), part, settings), tolerance / 10)
             nominal[which] = N
             if self.size:
-                samples = choice.of(self.models), self._rows(part), self.deviations, N
-                levels, ragged[which] = thresholds_of_samples(*samples, settings, tolerance)
+                probe = Probe(choice.of(self.models), self._rows(part), settings)
+                levels, ragged[which] = thresholds_of_samples(probe, self.deviations, N, tolerance)
                 scaled = levels / self.factors["N"][:, np.newaxis]
                 N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
@@ -126,7 +127,7 @@ class Batch:
         if self.size:
             levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)[:, np.newaxis]
             every = self._rows(rows)
-            met = np.isfinite(asker(self.model, every, settings)(levels))
+            met = Probe(self.model, every, settings).snaps(levels)
             if required["snaps"] is True:
                 cells = every.cells(self.model.device, levels, settings.horizon)
                 runs = self.model.follow(cells.take(met), settings.but(until="settled"))
@@ -185,8 +186,8 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Run) -> 
         return [Choice(left)]
     auto = choose_model(batch_of([device]), model, settings.start)
     accepted = model.get("tolerance", TOLERANCE)
-    rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
-    finest, same = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
+    rough = nominal_thresholds(Probe(auto.base.with_step(4.0), rows, settings), accepted)
+    finest, same = (Probe(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     reach = distance(finest, rough, accepted)
     reach[np.isinf(reach)] = np.nan
     exact = refine(finest, rough - reach, rough + reach, accepted / 10)[1]
@@ -195,7 +196,7 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Run) -> 
     def within(share, level, which):
         """Tell whether rows of a level change their label within a share of the exact threshold."""
         N = np.multiply.outer(exact[which], [1 - share, 1 + share])
-        below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
+        below, above = Probe(level, rows.take(which), settings).snaps(N).T
         return ~below & above
 
     choices = []
@@ -232,10 +233,11 @@ def thresholds_at(
         shock = (np.broadcast_to(a, size)[exists] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
         models = choose_survey(devices, study.model, study.run.start)
+        search = Search(models, rows, study.run)
         numbers = np.full(size, -1)
         numbers[exists] = places
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
-        tell_cost(models, rows, study.run)
-        columns = find_thresholds(models, rows, parts, study.run, THRESHOLD_TOLERANCE)
+        tell_cost(search)
+        columns = find_thresholds(search, parts)
         thresholds[:, exists] = columns["N_first"], columns["N_error"]
     return *thresholds, exists

@@ -11,12 +11,13 @@ import numpy as np
 
 from ..applications import attached, gather, observers
 from ..config.study import Config
-from ..solver.adaptive import choose_model, choose_survey
+from ..solver.adaptive import choose_model
 from ..solver.cost import steps_and_seconds
 from ..study.axes import NAMES, Grid, rows_of
 from ..sweeps.grid import follow_rows
 from ..thresholds.cost import survey_seconds
-from ..thresholds.surface import split_rows, thresholds_of
+from ..thresholds.surface import search_of, thresholds_of
+from ..thresholds.verified import split_rows
 from .products import choose_views
 
 OF_CELLS, OF_THRESHOLDS = 0.1, 0.6
@@ -102,11 +103,10 @@ def _follow(study, axes):
 
 def search_seconds(study: Config, grid: Grid) -> float:
     """Estimate the core time of the thresholds of a grid, without what each call takes, s."""
-    models = choose_survey(grid.device, study.model, study.run.start)
-    rows = rows_of(grid)
-    _, searched = split_rows(grid, rows)
-    verified = ~searched & (rows.device >= 0)
-    parts = (survey_seconds(models, rows.take(of), study.run) for of in (searched, verified))
+    search = search_of(study, grid)
+    _, searched = split_rows(grid, search.rows)
+    verified = ~searched & (search.rows.device >= 0)
+    parts = (survey_seconds(search.take(of)) for of in (searched, verified))
     return next(parts) + VERIFIED * next(parts)
 
 

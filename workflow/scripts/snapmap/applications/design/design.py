@@ -20,7 +20,7 @@ from ...study import arguments
 from ...study.axes import COORDINATES
 from ...study.study import ANY, Study, study_of, with_shocks
 from ...thresholds.population import thresholds_at
-from ...thresholds.search import near
+from ...thresholds.probe import near
 
 POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""

@@ -15,7 +15,7 @@ from ...solver.cells import to_rows
 from ...study.axes import Grid
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...thresholds.search import asker, lowest_snap
+from ...thresholds.probe import Probe, lowest_snap
 from ...thresholds.slow import HOLDS
 
 LN_10 = 2.302585092994046
@@ -73,8 +73,9 @@ def _snap_scales(study, device, pulse, thresholds):
     known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
     rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
     model = choose_survey(device, study.model, study.run.start).levels[-1].decides
-    exact = lowest_snap(model, rows, (N - off, N + off), study.run, EXACT, STEP)
-    t_snap = asker(model, rows, study.run)(np.multiply.outer(exact, 1 + ABOVE))
+    probe = Probe(model, rows, study.run)
+    exact = lowest_snap(probe, (N - off, N + off), EXACT, STEP)
+    t_snap = probe(np.multiply.outer(exact, 1 + ABOVE))
     away = (np.arange(ABOVE.size) - (ABOVE.size - 1) / 2) / 2  # decades
     scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * LN_10)
     return scales.reshape(thresholds.C.size, -1)

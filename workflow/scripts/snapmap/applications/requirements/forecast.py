@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-from ...solver.adaptive import choose_survey
 from ...solver.cost import steps_and_seconds
-from ...study.axes import rows_of
 from ...study.study import Study
 from ...thresholds.cost import survey_seconds
+from ...thresholds.surface import search_of
 from .check import each_device
 
 RUNS = 42
@@ -28,9 +27,9 @@ def judged_seconds(
     seconds = 0.0
     for shock, _, shaken in each_device(study, required, temperatures):
         grid, settings = shaken.set_out({"C": C, "f0": [shock["f0"]]}), shaken.settings
-        models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
-        cells = rows.cells(grid.device, shock["N"], settings.horizon)
+        search = search_of(shaken, grid)
+        cells = search.rows.cells(grid.device, shock["N"], settings.horizon)
         to_end = settings.but(until="settled")
-        seconds += PER_VERDICT * rows.f0.size + survey_seconds(models, rows, settings)
-        seconds += RUNS * float(steps_and_seconds(models.decides, cells, to_end)[1].sum())
+        seconds += PER_VERDICT * search.rows.f0.size + survey_seconds(search)
+        seconds += RUNS * float(steps_and_seconds(search.models.decides, cells, to_end)[1].sum())
     return seconds

@@ -16,6 +16,7 @@ from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.study import OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
+from ...thresholds.probe import Probe
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
 
@@ -97,7 +98,7 @@ def vibration_of(
     length, rms = spectrum.record_length(T), spectrum.rms
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
-    settings = study.run.but(horizon=0.0)
+    probe = Probe(model, rows, study.run.but(horizon=0.0), "snap")
     first, _ = spectrum.record(length, [seed, 0])
     together = max(1, PIECES // len(first.pieces))
 
@@ -107,14 +108,14 @@ def vibration_of(
         for begin in range(0, records, together):
             numbers = range(begin, min(begin + together, records))
             pulses = [spectrum.record(length, [seed, number]) for number in numbers]
-            t_snap = snap_times(model, rows.take(which), pulses, [level], settings)[..., 0]
+            t_snap = snap_times(probe.take(which), pulses, [level])[..., 0]
             failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
             time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
             counts += [column.sum(axis=1) for column in (snapped, failed, time)]
         return counts
 
     exists = rows.device >= 0
-    tell_records("vibration", model, rows.take(exists), first, settings, records)
+    tell_records("vibration", probe.take(exists), first, records)
     ladder = _climb(follow, exists, records)
     needed = -math.log1p(-reach) / T
     levels = np.array([_level(ladder, row, needed) for row in range(exists.size)]) * rms

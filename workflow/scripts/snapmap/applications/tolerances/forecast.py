@@ -11,6 +11,7 @@ from ...solver.cells import to_rows
 from ...solver.cost import steps_and_seconds
 from ...study.study import Study, of_requirement
 from ...thresholds.cost import run_seconds
+from ...thresholds.probe import Probe
 
 PER_ROW, PER_SAMPLE = 3000, 3
 """Approximate numbers of runs: to bracket the thresholds of a row, and to find that of a sample."""
@@ -29,7 +30,7 @@ def made_seconds(
     seconds = 0.0
     for device in study.devices().values():
         model = choose_survey(batch([device]), study.model).decides
-        seconds += _of_rows(model, rows, study.run, every)
+        seconds += _of_rows(Probe(model, rows, study.run), every)
         if device.beam.damping > 0:
             cells = rows.cells(model.device, axes["N"], study.run.horizon)
             _, to_end = steps_and_seconds(model, cells, study.run)
@@ -41,12 +42,12 @@ def made_seconds(
             _, to_end = steps_and_seconds(model, cells, settings.but(until="settled"))
             _, moving = steps_and_seconds(model, cells, settings.but(until="moved"))
             of_sample = (required["snaps"] is True) * to_end + (device.strength < np.inf) * moving
-            judged = _of_rows(model, shock, settings, tolerances.samples)
+            judged = _of_rows(Probe(model, shock, settings), tolerances.samples)
             judged += tolerances.samples * float(of_sample.sum())
             seconds += judged * len(axes.get("temperature", [0]))
     return seconds
 
 
-def _of_rows(model, rows, settings, samples):
+def _of_rows(probe, samples):
     runs = PER_ROW + PER_SAMPLE * samples
-    return runs * float(run_seconds(model, rows, settings).sum())
+    return runs * float(run_seconds(probe).sum())
