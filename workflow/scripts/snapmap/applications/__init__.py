@@ -59,13 +59,3 @@ def refuse_all(study: object) -> None:
             application.refuse(study)
         except ValueError as error:
             raise ValueError(f"{key}: {error}") from None
-
-
-def public_names() -> dict[str, str]:
-    """Return the module of each public function, by the function's name."""
-    names = {}
-    for folder, application in attached().items():
-        for path in application.public:
-            module, name = path.split(".")
-            names[name] = f"applications.{folder}.{module}"
-    return names

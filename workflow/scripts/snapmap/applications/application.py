@@ -43,8 +43,6 @@ class Application:
 
     Attributes
     ----------
-    public
-        functions for Python, each behind its module: dataset.tolerance
     rule, message
         name and message of the job that calls `run`; no rule if another job does
     quick
@@ -58,7 +56,6 @@ class Application:
         folder of its figures, and the endings of the files that each of them is
     """
 
-    public: tuple[str, ...] = ()
     rule: str = ""
     message: str = ""
     quick: bool = False
@@ -71,15 +68,11 @@ class Application:
 
     # What a config asks of it.
 
-    def section(self) -> Any:
-        """The field of its key in a config, which is the name of its folder; None for no key."""
-
-    def described(self) -> Mapping[str, Any]:
-        """Sections by their headings on docs/config.md."""
-        return {}
+    def section(self) -> tuple[Any, str] | None:
+        """Type and sentence of its key in a config, the name of its folder; None for no key."""
 
     def kinds(self) -> Mapping[str, Any]:
-        """Sections of requirements, by the key that only they have."""
+        """Records of requirements, by the key that only they have."""
         return {}
 
     def request(self, section: Any, study: Config, document: Any) -> Any:

@@ -14,7 +14,7 @@ from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
 
-IDLE = "has no effect without device.thermal; write modulus, mismatch or damping there"
+IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
 HARDLY = 0.05
 """Barrier of the way back over that of the way there below which a device is hardly bistable."""
 LESS = np.linspace(0.8, 1, 1001)
@@ -23,7 +23,7 @@ TILTING = 8
 """Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
 
-def descriptions(study: Study) -> list[str]:
+def descriptions(study: Config) -> list[str]:
     """Describe each nominal device of a study, in one line each; study: a `Config`."""
     lines = list(study.measured.values())
     for name, device in study.devices().items():
@@ -42,7 +42,7 @@ def descriptions(study: Study) -> list[str]:
 
 def dampers(study: Study) -> np.ndarray | None:
     """Give the values of C, uN us/um; None where a user's own laws decide its unit."""
-    return None if "laws" in study.model else study.axes["C"]
+    return None if study.model.laws else study.axes["C"]
 
 
 def doubts(study: Study) -> list[str]:
@@ -51,7 +51,7 @@ def doubts(study: Study) -> list[str]:
     study: a `Config`
     """
     axes, (first, *_) = study.axes, study.devices().values()
-    lines = implausible(study.grid.device, dampers(study), axes["f0"])
+    lines = study.renamed + implausible(study.grid.device, dampers(study), axes["f0"])
     lines += unusual_runs(N=axes["N"], horizon=study.run.horizon)
     for name, device in study.devices().items():
         remarks = [barely(device), tilting(device.beam), stopped(device)]
@@ -96,7 +96,7 @@ def tilting(beam: Beam) -> str:
         ratio = beam.rise / beam.thickness
         return (
             f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only, as a beam free to "
-            "tilt leaves the second shape; write guide: free if it can tilt"
+            "tilt leaves the second shape; write free: true if it can tilt"
         )
     if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
         return (
@@ -113,10 +113,10 @@ def stopped(device: Device) -> str:
     travel = device.stop_toward
     needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
     if travel <= device.gap:
-        return f"stops.toward: {travel:.4g} um is within the gap; the mass never meets the beam"
+        return f"stop_toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:
         return (
-            f"stops.toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "
+            f"stop_toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "
             "slow shock does not snap the beam, and a fast one only by the beam's momentum"
         )
     return ""

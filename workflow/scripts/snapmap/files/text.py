@@ -4,7 +4,7 @@ import hashlib
 import math
 import re
 import reprlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from numbers import Number
 from os import PathLike
 
@@ -95,6 +95,15 @@ def stem_of(*words: str) -> str:
 def plain(value: float, digits: int = 4) -> str:
     """Write a number with so many significant digits, without an exponent if it is not extreme."""
     return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
+def leaves(section: Mapping, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the path of each key in a section of a config, and its value as text."""
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from leaves(value, f"{path}{key}.")
+        else:
+            yield f"{path}{key}", str(value)
 
 
 DASH = "–"

@@ -1,6 +1,5 @@
 """The largest stress in the beams of many cells."""
 
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -10,25 +9,24 @@ from . import simd_loop
 from .adaptive import choose_model
 from .cells import Cells
 from .models import Follows, Model, deciders
+from .options import Choice, Elements, Reference
 from .settings import Run
 
 STRETCH = 4
 """Number of steps of which the length of a run is a multiple."""
 
 
-def motion_levels(device: Device, model: Mapping, settings: Run) -> tuple[Follows, ...]:
-    """Build the levels of a model that decide cells; for `reference`, its elements in their modes.
-
-    model: name and options, as in a config
-    """
-    name = "elements" if model["name"] == "reference" else model["name"]
-    return choose_model(device, {**model, "name": name}, settings.start).levels
+def motion_levels(device: Device, model: Choice, settings: Run) -> tuple[Follows, ...]:
+    """Build the levels of a model that decide cells; for `reference`, its elements in their modes."""
+    if isinstance(model, Reference):
+        model = Elements(model.elements)
+    return choose_model(device, model, settings.start).levels
 
 
-def largest_stress(device: Device, model: Mapping, cells: Cells, settings: Run) -> np.ndarray:
+def largest_stress(device: Device, model: Choice, cells: Cells, settings: Run) -> np.ndarray:
     """Find the largest tensile stress in the beam of each cell up to its end, MPa, (cells,).
 
-    device: batch to which the cells belong; model: name and options, as in a config
+    device: batch to which the cells belong
     """
     finest = motion_levels(device, model, settings)[-1:]
     halvings = finest[0].follow(cells, settings.but(repeat=False)).halvings

@@ -9,9 +9,11 @@ from typing_extensions import TypeAliasType
 
 from ..device.device import VALUES, Device
 from ..files.text import show
-from ..values.kinds import Kind, Several
+from ..solver.settings import STARTS
+from ..values.kinds import Kind, Several, Word, kind_of
+from ..values.quantities import Frequency, Positive
 from .axes import KIND_OF
-from .study import DevicesKind, Study
+from .study import ANY, ARRIVES, DevicesKind, Study
 
 
 class StudyKind(Kind):
@@ -65,6 +67,36 @@ class AxesKind(Kind):
         return axes
 
 
+class RequirementsKind(Kind):
+    """Required shocks, as mappings."""
+
+    need = 'a list of mappings of name, N, f0 (Hz) and snaps (True, False, "arrives" or "any")'
+
+    def take(self, value: object) -> list[dict]:
+        """Convert N, f0 and the words of each mapping."""
+        if not isinstance(value, list | tuple):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return [self._one(place, item) for place, item in enumerate(value)]
+
+    def _one(self, place, item):
+        if not isinstance(item, Mapping) or not {"name", "N", "f0", "snaps"} <= item.keys():
+            raise ValueError(f"[{place}]: {show(item)} is not {self.need}")
+        item, name = dict(item), item["name"]
+        if not isinstance(name, str):
+            raise ValueError(f"[{place}].name: {show(name)} is not text")
+        kinds = {"N": kind_of(Positive), "f0": kind_of(Frequency), "start": Word(STARTS)}
+        for key in kinds.keys() & item.keys():
+            try:
+                item[key] = kinds[key].take(item[key])
+            except ValueError as error:
+                raise ValueError(f"[{place}].{key}: {error}") from None
+        snaps = item["snaps"]
+        if not isinstance(snaps, bool | np.bool_) and snaps not in (ANY, ARRIVES):
+            raise ValueError(f'[{place}].snaps: {show(snaps)} is not True, False, "arrives" or "any"')
+        return item | {"snaps": snaps if isinstance(snaps, str) else bool(snaps)}
+
+
 AnyStudy = TypeAliasType("AnyStudy", Annotated[Study | Device | Mapping[str, Device], StudyKind()])
 SingleStudy = TypeAliasType("SingleStudy", Annotated[Study | Device, SingleKind()])
 Axes = TypeAliasType("Axes", Annotated[Mapping[str, float | str | Sequence], AxesKind()])
+Requirements = TypeAliasType("Requirements", Annotated[Sequence[Mapping], RequirementsKind()])

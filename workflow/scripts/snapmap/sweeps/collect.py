@@ -8,10 +8,10 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from ..device.argument import ExistingPath
 from ..files.atomic import is_whole
 from ..solver.outcome import OUTCOMES
 from ..study.axes import NAMES
+from ..values.paths import ExistingPath
 from .cube import as_cube, outcome_names, require_cube, with_summary
 from .slabs import REMEDY, open_slab
 

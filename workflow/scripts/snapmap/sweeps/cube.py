@@ -3,21 +3,20 @@
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping
-from typing import Unpack
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
 
-from ..device.argument import Flag
-from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.options import AutoOptions
+from ..solver.adaptive import choose_model
+from ..solver.options import TOLERANCE
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
-from ..study import arguments
+from ..study.arguments import AnyStudy, Axes
 from ..study.axes import NAMES, rows_of
-from ..study.study import study_of
 from ..study.variables import dress, flags, variables
-from .grid import follow_rows
+from ..values.quantities import Amplitudes, Dampers, Frequencies
+from .grid import Observer, follow_rows
 
 LABEL_DISTANCE = 0.01
 """Relative distance from a well-posed threshold within which labels may be wrong, with three
@@ -30,13 +29,6 @@ SHOWN_CELLS = 40_000
 """Most cells on the page, and for the largest stress; a larger cube is thinned."""
 MOST_CELLS = 10**8
 """Most cells of one call of `sweep`; those of a config go to files, slab by slab."""
-
-
-class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `sweep`."""
-
-    until: arguments.Until
-    repeat: Flag
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:
@@ -52,27 +44,50 @@ def thin(cube: xr.Dataset) -> xr.Dataset:
 
 
 def sweep(
-    device: arguments.Devices,
-    N: arguments.Amplitudes,
-    f0: arguments.Frequencies | None,
-    C: arguments.Dampers,
-    model: arguments.Model = "auto",
-    **options: Unpack[SweepOptions],
+    study: AnyStudy,
+    N: Amplitudes,
+    f0: Frequencies | None,
+    C: Dampers,
+    *,
+    axes: Axes = MappingProxyType({}),
+    observers: Sequence[Observer] = (),
 ) -> xr.Dataset:
-    """Simulate every cell of a grid and return the cube.
+    """Simulate every cell of a grid.
 
-    options: horizon, energy_tolerance, threads, start, until, repeat, pulse, direction, skip,
-        device axes, model options
+    Parameters
+    ----------
+    study
+        Devices, model, shocks, and how each cell is followed; or a Device.
+    N
+        Amplitudes of the shock, multiples of g, each once.
+    f0
+        Frequencies of the pulse, Hz, each once; None for a recorded shock.
+    C
+        Dampings of the mass, uN us/um, each once.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        The cube: `outcome`, `t_snap` and further variables over (..., C, f0, N), as the page of the
+        functions lists them.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on a device without a second stable shape.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
-    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **study)
+    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25, axes={"thickness": [1.9, 2.0]})
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    observers = options.pop("observers", ())
-    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
-    cells = math.prod(map(np.size, axes.values()))
+    axes = {**axes, "C": C, "f0": f0, "N": N}
+    cells = math.prod(np.size(values) for values in axes.values() if values is not None)
     if cells > MOST_CELLS:
         raise ValueError(
             f"N: {cells:.3g} cells with f0, C and all axes, more than {MOST_CELLS:.0e}; write "

@@ -15,6 +15,7 @@ import numpy as np
 from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.outcome import count
+from ..solver.options import section_of
 from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
 from .grid import Observers, follow_rows
@@ -35,10 +36,10 @@ def cells_in(slab: Slab) -> int:
 def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by two hashes: of what slabs with shared cells agree in, and of other axes."""
     single = {key: slab[key] for key in SINGLE if key in slab}
-    part, settings = study.part(slab), study.run.without_threads()
+    part = study.part(slab)
     nominal = [asdict(device) for device in part.devices().values()]
     pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
-    common = [nominal, study.model, settings, pulses, list(slab), single]
+    common = [nominal, section_of(study.model), study.run.section(), pulses, list(slab), single]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
     texts = plain, f"[{others}]"
@@ -58,7 +59,7 @@ def write_slab(
     Cells that other slabs in the same folder hold are copied from there.
     code: hash of the code on which numbers depend; only slabs of the same code are used
     """
-    variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
+    variables, known = recall(path, slab, code, same_N=study.model.name == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
     _follow_unknown(grid, study, observers, variables, known)
     with replacing(path) as temporary:

@@ -18,6 +18,7 @@ from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
 from ..solver.outcome import LATCHED, label, side_at_end
+from ..solver.options import Choice
 from ..solver.settings import Run
 from ..study.study import ANY, Study, of_requirement
 from .bars import distance
@@ -174,15 +175,15 @@ class Batch:
         )
 
 
-def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Run) -> list[Choice]:
-    """Choose the models that decide the thresholds of rows; model: name and options.
+def choose_levels(device: Device, model: Choice, rows: Rows, settings: Run) -> list[Choice]:
+    """Choose the models that decide the thresholds of rows.
 
     With `auto`, each row takes the first of LADDER that agrees, within the tolerance of `auto`,
     with the finest model on the threshold of the nominal device. The ladder ends when MOST_ROWS
     have a model; its last one takes all other rows, too.
     """
     left = np.ones(rows.f0.size, bool)
-    if model["name"] != "auto":
+    if model.name != "auto":
         return [Choice(left)]
     auto = choose_model(batch_of([device]), model, settings.start)
     accepted = model.get("tolerance", TOLERANCE)

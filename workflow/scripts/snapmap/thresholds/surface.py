@@ -2,19 +2,19 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Unpack
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
 
-from ..device import argument
 from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.settings import THRESHOLD_TOLERANCE
-from ..study import arguments
+from ..study.arguments import AnyStudy, Axes
 from ..study.axes import Grid, rows_of
-from ..study.study import OF_THRESHOLDS, Study, study_of
+from ..study.study import OF_THRESHOLDS, Study
 from ..study.variables import dress, flags
+from ..values.quantities import Dampers, Frequencies, Positive, Refinement
 from .cost import tell_cost
 from .limits import limits_of, slow_law
 from .ragged import RAGGED_STEP
@@ -30,39 +30,57 @@ COMMENT = (
 )
 
 
-class SurfaceOptions(arguments.ThresholdOptions, arguments.AxisOptions, total=False):
-    """Options of `threshold`."""
-
-
 def threshold(
-    device: arguments.Devices,
-    f0: arguments.Frequencies | None,
-    C: arguments.Dampers,
-    model: arguments.Model = "auto",
-    tolerance: arguments.Refinement = THRESHOLD_TOLERANCE,
-    highest: Annotated[float, argument.number("(0, inf)", "multiples of g", "2000")] | None = None,
-    **options: Unpack[SurfaceOptions],
+    study: AnyStudy,
+    f0: Frequencies | None,
+    C: Dampers,
+    *,
+    tolerance: Refinement = THRESHOLD_TOLERANCE,
+    highest: Positive | None = None,
+    axes: Axes = MappingProxyType({}),
 ) -> xr.Dataset:
-    """Find the lowest N that snaps the beam, with error bars, over C (uN us/um) and f0 (Hz).
+    """Find the lowest N that snaps the beam, with error bars.
 
-    tolerance: relative refinement of N
-    highest: largest N searched for islands, multiples of g; None for twice the threshold
-    options: horizon, energy_tolerance, threads, start, pulse, direction, skip,
-        device axes, model options
-    The Dataset holds `N_first`, its error `N_error`, and `N_latched` over (..., C, f0). Thresholds
-    are places on a lattice of relative step `tolerance`: only the digits that `N_error` allows
-    count. `N_static` and `velocity_change` (m/s) are the limits of slow and short pulses. `N_slow`
-    is the law of slow pulses, by their `dwell` (us) above N_static. A pulse changes the velocity by
-    `area` N g / f0. `scale_first` is the factor on a record in known units. `status` is an index
-    into the words `thresholds.status.flag_meanings.split()`.
+    Parameters
+    ----------
+    study
+        Devices, model and shocks; or a Device.
+    f0
+        Frequencies of the pulse, Hz, each once; None for a recorded shock.
+    C
+        Dampings of the mass, uN us/um, each once.
+    tolerance
+        Relative refinement of N. Thresholds are places on a lattice of this step: only the digits
+        that `N_error` allows count.
+    highest
+        Largest N searched for islands, multiples of g; by default twice the threshold.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        Over (..., C, f0): `N_first` and its error `N_error`, `N_always`, `N_latched`, `N_bound`
+        below which nothing snaps, by energy; `ragged`, `level`, `verified`, and `status`, why there
+        is no threshold. `N_static` and `velocity_change` (m/s) are the limits of slow and short
+        pulses; `N_slow` is the law of slow pulses, by their `dwell` (us) above N_static. A pulse
+        changes the velocity by `area` N g / f0. `scale_first` is the factor on a record in known
+        units. Words of a code are in its attribute `flag_meanings`.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on a device without a second stable shape.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> thresholds = snapmap.threshold(device, [1500], [25], model="cosines", thickness=[1.9, 2.0])
+    >>> study = snapmap.Study(device, model="cosines")
+    >>> thresholds = snapmap.threshold(study, 1500, 25, axes={"thickness": ["1.9 um", "2 um"]})
     >>> thresholds.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    study, axes = study_of(device, model, options, C=C, f0=f0)
-    return thresholds_of(study, axes, tolerance, highest)
+    return thresholds_of(study, {**axes, "C": C, "f0": f0}, tolerance, highest)
 
 
 def thresholds_of(
@@ -76,7 +94,7 @@ def thresholds_of(
     axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
     document = study.document(OF_THRESHOLDS)
-    document["sweep"]["threshold_tolerance"] = tolerance
+    document["sweep"] = {"threshold_tolerance": tolerance}
     grid = study.set_out(axes)
     search = search_of(study, grid)._replace(tolerance=tolerance, highest=highest)
     columns, rows, decides = _search(search, grid), search.rows, search.models.decides

@@ -72,7 +72,6 @@ def check(config: Path) -> None:
         from ..config.study import load_config
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
-    from ..solver.laws import laws_of
     from .forecast import forecast
     from .plan import make_plan
 
@@ -85,7 +84,7 @@ def check(config: Path) -> None:
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
-    laws = laws_of(study.model)
+    laws = study.model.laws
     if laws and laws.solver:
         print(_runs(study))
         return

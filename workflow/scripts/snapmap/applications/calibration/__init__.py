@@ -12,22 +12,14 @@ if TYPE_CHECKING:
 
 
 class Calibration(Application):
-    public = ("dataset.calibrate",)
     rule, message = "fit_calibration", "Estimate values of the device from measured shots"
     part, threads, priority = "6 Devices as made", 4, 45
 
-    def section(self) -> Any:
+    def section(self) -> tuple[Any, str]:
         """Shots and unknowns of a config."""
-        from ...config.keys import part
         from .sections import CalibrationSection
 
-        return part(CalibrationSection, out="none")
-
-    def described(self) -> Mapping[str, Any]:
-        """Its sections, as docs/config.md has them."""
-        from .sections import CalibrationSection, UnknownsSection
-
-        return {"calibration": CalibrationSection, "calibration.unknowns": UnknownsSection}
+        return CalibrationSection, "values estimated from measured shots"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The `Calibration`, or None; ValueError, one line, for an invalid section."""

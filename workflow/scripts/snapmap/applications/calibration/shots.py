@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...device.checks import numbers, shown, unit_of
 from ...device.device import Device, is_bistable
-from ...device.quantities import QUANTITIES
 from ...files.named import naming, read_named
 from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ...files.text import show
 from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
 from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
+from ...study.axes import KIND_OF
+from ...values.units import numbers_in, plain_numbers, unit_of
 
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
 """Columns of words in a table of shots, with the meanings of words; None accepts any word."""
@@ -76,11 +76,15 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
     Shots with a file need no N.
     """
-    for key in SHOCKS:
-        unit = QUANTITIES[key].unit
-        if key in table and unit_of(table[key]) and numbers(table[key], unit) is None:
-            raise ValueError(f"shots: {key}: {shown(table[key])} is not in {unit or 'multiples'}")
-    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
+    columns = {}
+    for key in table:
+        column = table[key]
+        if key in SHOCKS and unit_of(column):
+            try:
+                column = numbers_in(column, KIND_OF[key].unit)
+            except ValueError as error:
+                raise ValueError(f"shots: {key}: {show(column)} {error}") from None
+        columns[str(key)] = np.asarray(column).ravel()
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:
@@ -197,7 +201,7 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     if not 1 <= len(unknowns) <= MOST:
         raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")
     for key, ends in unknowns.items():
-        pair, within = numbers(ends), QUANTITIES[key].range
+        pair, within = plain_numbers(ends), KIND_OF[key].bounds
         if pair is None or pair.shape != (2,):
             raise ValueError(f"unknowns: {key}: {show(ends)} is not a pair (low, high)")
         low, high = pair
@@ -212,5 +216,5 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
         for end, side in zip(unknowns[key], ("low", "high"), strict=True):
             if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
                 remedy = "higher" if side == "low" else "lower"
-                where = f"its {side} end, {end:g} {QUANTITIES[key].unit}; write a {remedy} one"
+                where = f"its {side} end, {end:g} {KIND_OF[key].unit}; write a {remedy} one"
                 raise ValueError(f"unknowns: {key}: no second stable shape at {where}")

@@ -10,12 +10,14 @@ from ...beam.equilibria import buckling_modes
 from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.device import Beam
-from ...device.quantities import QUANTITIES, leaves, plain
+from ...files.text import leaves, plain
 from ...device.samples import Tolerances
 from ...files.text import DASH, table
 from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
+from ...solver.options import section_of
+from ...study.axes import KIND_OF
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
@@ -32,7 +34,7 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Words and unit of each of `Extremes`."""
-DAMPER = QUANTITIES["C"].unit, 1.0
+DAMPER = KIND_OF["C"].unit, 1.0
 OUTSIDE = "outside any package: not valid"
 """Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
@@ -96,9 +98,10 @@ def datasheet(
 
 def _device(study, device, written):
     """Rows of code, model, support, and the values of the config."""
-    options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
+    name, *options = section_of(study.model).items()
+    words = ", ".join(f"{key} {value}" for key, value in options)
     yield ["made by", ", of ".join(filter(None, [f"snapmap {code_version()}", code_date()]))]
-    yield ["model", " ".join(filter(None, [study.model["name"], options]))]
+    yield ["model", " ".join(filter(None, [name[1], words]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
     for key, text in leaves(written):
         yield [key.replace(".", ": ").replace("_", " "), text]

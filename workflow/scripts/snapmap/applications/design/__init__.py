@@ -6,7 +6,6 @@ from ..application import Application
 
 
 class Design(Application):
-    public = ("design.design",)
 
 
 application = Design()

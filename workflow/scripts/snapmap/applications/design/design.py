@@ -1,24 +1,24 @@
 """Design: the value of a device that gives a threshold or meets requirements."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Annotated, NamedTuple, Unpack
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypeAliasType
 
-from ...device.argument import Argument, Positive, argument_of, as_plain
-from ...device.checks import numbers
 from ...device.device import SIGNED, VALUES, Device, batch
-from ...device.quantities import QUANTITIES, plain
 from ...device.samples import nominal_value
+from ...files.text import plain, show
 from ...pulse.shocks import Shocks
-from ...solver.options import AutoOptions
-from ...study import arguments
-from ...study.axes import COORDINATES
-from ...study.study import ANY, Study, study_of, with_shocks
+from ...study.arguments import Requirements, SingleStudy
+from ...study.axes import COORDINATES, KIND_OF
+from ...study.study import ANY, Study, with_shocks
+from ...values.kinds import Fitting, kind_of
+from ...values.quantities import Damper, Frequency, Positive
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 
@@ -46,60 +46,75 @@ class Design(NamedTuple):
     error: float
 
 
-def _is_pair(value):
-    pair = numbers(value)
-    return pair is not None and pair.shape == (2,) and bool(np.isfinite(pair).all())
+def _take_name(value):
+    if not isinstance(value, str) or (value != "C" and value not in VALUES):
+        raise ValueError(f"{show(value)} is not {NAME}")
+    return value
 
 
-Value = Annotated[
-    str,
-    Argument(
-        "C or the name of a value of the device, such as thickness",
-        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
-    ),
-]
-Between = Annotated[
-    tuple[float, float],
-    Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, as_plain),
-]
+def _take_pair(value):
+    if not isinstance(value, list | tuple | np.ndarray) or len(value) != 2:
+        raise ValueError(f"{show(value)} is not {PAIR}")
+    return tuple(value)
 
 
-class DesignOptions(arguments.ThresholdOptions, AutoOptions, total=False):
-    """Options of `design`."""
+NAME = "C or the name of a value of the device, such as thickness"
+PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
+ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _take_name)])
+Between = TypeAliasType("Between", Annotated[Sequence[float | str], Fitting(PAIR, _take_pair)])
 
 
 def design(
-    device: arguments.SingleDevice,
-    value: Value,
+    study: SingleStudy,
+    value: ValueName,
     N: Positive | None = None,
-    f0: arguments.Frequency | None = None,
-    C: arguments.Damper | None = None,
+    f0: Frequency | None = None,
+    C: Damper | None = None,
+    *,
     between: Between | None = None,
-    model: arguments.Model = "auto",
-    requirements: arguments.Requirements = (),
-    **options: Unpack[DesignOptions],
+    requirements: Requirements = (),
 ) -> Design | xr.Dataset:
     """Find the value of a device, or C, at which N is the threshold, or that meets requirements.
 
-    value: name of a value of the device, or "C"
-    N, f0: multiples of g, and Hz; None with requirements
-    C: uN us/um; None where C is the value
-    between: low and high end of the searched range, internal units
-    requirements: mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must
-        hold under all its shapes and directions
-    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
-    Returns a Design, the lowest of several values with a warning. With requirements it returns a
-    Dataset of `low` and `high`, their errors, and what ends each window (`low_from`, `high_from`)
-    over `window`, and `met` over `requirement` and `tried`; without a window it warns where each
-    requirement holds.
+    Parameters
+    ----------
+    study
+        Device, model and shock; or a Device.
+    value
+        Name of a value of the device, or "C".
+    N
+        Multiples of g; None with requirements.
+    f0
+        Frequency of the pulse, Hz; None with requirements.
+    C
+        Damping of the mass, uN us/um; None where C is the value.
+    between
+        Low and high end of the searched range, internal units.
+    requirements
+        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must hold under
+        all its shapes and directions.
 
+    Returns
+    -------
+    Design or Dataset
+        A Design, the lowest of several values with a warning. With requirements a Dataset of `low`
+        and `high`, their errors, and what ends each window (`low_from`, `high_from`) over `window`,
+        and `met` over `requirement` and `tried`; without a window a warning says where each
+        requirement holds.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one where no value gives the threshold.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
-    >>> made = snapmap.design(device, "thickness", between=(2.0, 2.2), **shock)
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> made = snapmap.design(study, "thickness", N=1100, f0=1500, C=25, between=(2.0, 2.2))
     >>> round(made.value, 1)
     2.1
     """
-    study, _ = study_of(device, model, options)
     required = _single_shocks(with_shocks(goal, study.shocks) for goal in requirements)
     goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
     shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
@@ -107,10 +122,14 @@ def design(
         raise ValueError("C: is the value that design searches; leave it out")
     for key, argument in shock.items():
         if argument is None:
-            need = argument_of(design.__annotations__[key]).need
+            need = kind_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
     if any(len(goal["shocks"].pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
+    try:
+        between = tuple(KIND_OF[value].take(end) for end in between)
+    except ValueError as error:
+        raise ValueError(f"between: {error}") from None
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(
@@ -259,7 +278,7 @@ def _guess(N_first, k, N):
 
 
 def _single(value, N, grid, N_first, values, errors):
-    unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
+    unit, known = KIND_OF[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
         runs = f"is {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
@@ -296,7 +315,7 @@ def _windows(look, value, grid, goals, N_first, error, met):
 
 def _contradiction(value, grid, names, met):
     """Write where each requirement is met, and where most are; met: (requirements, n)."""
-    unit, count = QUANTITIES[value].unit, met.sum(axis=0)
+    unit, count = KIND_OF[value].unit, met.sum(axis=0)
     lines = []
     for name, row in zip(names, met, strict=True):
         places = grid[row]

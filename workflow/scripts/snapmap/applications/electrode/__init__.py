@@ -25,12 +25,6 @@ class Electrode(Application):
 
         return dict.fromkeys(DEMANDS, ClosingSection)
 
-    def described(self) -> Mapping[str, Any]:
-        """Its section, as docs/config.md has it."""
-        from .required import ClosingSection
-
-        return {"each of requirements, with an electrode": ClosingSection}
-
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """None; ValueError, one line, if only some devices have an electrode."""
         if len({bool(device.has_electrode) for device in study.devices().values()}) > 1:

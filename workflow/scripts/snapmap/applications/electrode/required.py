@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...config.keys import quantity
 from ...config.shocks import PulseSection
 from ...solver.settings import SECOND
 from ...study.study import ARRIVES, Study
@@ -34,34 +33,40 @@ class RequiredClosing(RequiredShock):
         super().require(study)
 
 
+@record
 class ClosingSection(ShockSection):
     """A shock under which the device must close its electrode.
 
     `snaps: true` counts as `arrives`.
     """
 
-    kind = RequiredClosing
-    closes_within: quantity(
-        "pulse", "longest time from the start of the shock until the beam closes", out="any time"
-    )
-    stays_closed: quantity("pulse", "least time until the beam opens again", out="any time")
+    kind: ClassVar[type[RequiredShock]] = RequiredClosing
+    _: KW_ONLY
+    closes_within: PulseTime | None = None
+    """longest time from the start of the shock until the beam closes"""
+    stays_closed: PulseTime | None = None
+    """least time until the beam opens again"""
 
-    def make(self) -> None:
-        """Nothing by itself; ValueError for what cannot be in any study."""
+    @property
+    def demands(self) -> dict[str, float]:
+        """Those of DEMANDS that are written, us."""
+        demands = {key: getattr(self, key) for key in DEMANDS}
+        return {key: value for key, value in demands.items() if value is not None}
+
+    def __post_init__(self):
+        """Raise ValueError for what cannot be in any study."""
         if self.snaps is False or self.start == SECOND:
-            closing = next(key for key in DEMANDS if self.has(key))
-            more = ", and no start" if self.start else ""
+            more = ", and no start" if self.start == SECOND else ""
             need = f"write snaps: true or any{more}"
-            raise ValueError(f".{closing}: needs a device that must trip; {need}")
-        super().make()
+            raise ValueError(f"{[*self.demands][0]}: needs a device that must trip; {need}")
+        super().__post_init__()
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
         """Make the requirement of a study, as for any shock, with its DEMANDS."""
         required = super().under(pulse, gravity)
-        if self.snaps is True:  # DEMANDS say how long it must stay
-            required.values["snaps"] = ARRIVES
-        required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
-        return required
+        # These say how long it must stay.
+        snaps = ARRIVES if self.snaps is True else self.snaps
+        return replace(required, snaps=snaps, **self.demands)
 
 
 def judge_closing(

@@ -12,22 +12,14 @@ if TYPE_CHECKING:
 
 
 class Histories(Application):
-    public = ("history.simulate",)
     rule, message = "simulate_histories", "Follow single cells in full"
     part = "8 Histories"
 
-    def section(self) -> Any:
+    def section(self) -> tuple[Any, str]:
         """A list of cells, each with N, f0 or duration, and C."""
-        from ...config.keys import many
         from .sections import CellSection
 
-        return many(CellSection, "a list of cells {N, f0 or duration, C}", out="none")
-
-    def described(self) -> Mapping[str, Any]:
-        """Its sections, as docs/config.md has them."""
-        from .sections import CellSection
-
-        return {"each of histories": CellSection}
+        return list[CellSection], "cells {N, f0 or duration, C} whose motion is kept"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The cells, each with its device."""

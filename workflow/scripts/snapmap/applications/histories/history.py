@@ -3,7 +3,7 @@
 import math
 import warnings
 from dataclasses import replace
-from typing import NamedTuple, Unpack
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,13 +18,14 @@ from ...solver.adaptive import choose_model
 from ...solver.cells import Cells, to_cells
 from ...solver.cost import steps_and_seconds, tell
 from ...solver.models import Model
-from ...solver.options import AutoOptions
+from ...solver.options import section_of
 from ...solver.outcome import OUTCOMES, label
 from ...solver.settings import FIRST, Run
-from ...study import arguments
+from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
-from ...study.study import Study, study_of
+from ...study.study import Study
 from ...study.variables import dress
+from ...values.quantities import Amplitude, Damper, Frequency
 from .. import merge
 
 SAMPLES = 4000
@@ -44,29 +45,10 @@ FARTHEST = 5.0
 valid, and warned of."""
 
 
-class HistoryOptions(AutoOptions, total=False):
-    """Options of `simulate`."""
-
-    horizon: arguments.Horizon
-    energy_tolerance: arguments.EnergyTolerance
-    start: arguments.Start
-    pulse: arguments.PulseSpec
-    direction: arguments.Direction
-
-
-def simulate(
-    device: arguments.SingleDevice,
-    N: arguments.Amplitude,
-    f0: arguments.Frequency | None,
-    C: arguments.Damper,
-    model: arguments.Model = "auto",
-    **options: Unpack[HistoryOptions],
-) -> xr.Dataset:
+def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) -> xr.Dataset:
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
-    model: `auto` takes its finest level
-    options: horizon, energy_tolerance, start, pulse, direction, model options;
-        `energy_tolerance` only sets the time step
+    Of the model `auto` the finest level follows; `energy_tolerance` only sets the time step.
     All attributes are of the motion shown, in its steps, shorter than those of a sweep: `outcome`
     (a word), `t_snap` (us, NaN without a snap), `blow`, the closures of an electrode; the largest
     `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
@@ -74,18 +56,16 @@ def simulate(
     (relative) and `t_snap_error` (us), are SAFETY times the spread of runs in 1, 3/4 and 1/2 of it.
 
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
     >>> run.outcome, round(run.t_snap)
     ('snapped', 365)
     """
-    study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
-    return history_of(study, **cell)
+    return history_of(study, N, study.shocks.own_frequency() if f0 is None else f0, C)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
-    if study.shocks.axes:
-        raise ValueError("pulse: has several shapes or directions; write one of each")
     device, settings = study.device, study.run.but(until="moved")
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
@@ -94,13 +74,13 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     document = {
         **device_sections(device),
         **study.shocks.section(),
-        "model": dict(study.model),
+        "model": section_of(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
     optional, rest = {}, built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
     if settings.start != FIRST:
-        document["sweep"] = {"start": settings.start}
+        document["run"] = {"start": settings.start}
         optional["first_equilibrium"] = built.barrier.first
     optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
     if cells.pulses[0].blows.size:

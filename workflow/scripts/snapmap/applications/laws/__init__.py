@@ -14,11 +14,11 @@ class Laws(Application):
     rule, message = "find_laws", "Find where the three laws hold"
     part = "2 Thresholds"
 
-    def section(self) -> Any:
+    def section(self) -> tuple[Any, str]:
         """Whether the laws are compared with the thresholds."""
-        from ...config.keys import flag
+        from ...values.quantities import Truth
 
-        return flag("whether three laws are fitted to the thresholds", out="`false`")
+        return Truth, "whether [three laws](applications/laws.md) are fitted to the thresholds"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """Whether the laws are compared with the thresholds."""

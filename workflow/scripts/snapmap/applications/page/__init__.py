@@ -32,7 +32,7 @@ class Page(Application):
             for shocks in marks
             for name, f0, N, pushed in shocks
         ]
-        shown = {"title": study.title, "pulse": study.pulse, "required": required}
+        shown = {"title": study.title, "pulse": study.shock, "required": required}
         return {"explore": {"horizon": study.run.horizon, **shown}}
 
     def draw(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from ..application import Application, Figures, Files, Mark
 
@@ -35,19 +35,13 @@ class Requirements(Application):
     rule, message = "check_requirements", "Check the required shocks"
     part, threads, priority = "5 Requirements", 4, 50
 
-    def section(self) -> Any:
+    def section(self) -> tuple[Any, str]:
         """A list of requirements of each kind that an application has."""
-        from ...config.keys import many
         from .. import merge
-        from .sections import requirement
+        from .sections import RequirementKind
 
-        return many(requirement(merge(lambda part: part.kinds())), "a list of shocks", out="none")
-
-    def described(self) -> Mapping[str, Any]:
-        """Its sections, as docs/config.md has them."""
-        from .sections import ShockSection
-
-        return {"each of requirements": ShockSection}
+        kind = RequirementKind(merge(lambda part: part.kinds()))
+        return list[Annotated[Any, kind]], "shocks that must, or must not, trip the device"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The requirements, by unique names; ValueError, one line, for what a study cannot have."""

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ...device.argument import argument_of, pairs
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 
@@ -66,14 +66,14 @@ def frequencies(low: float, high: float) -> np.ndarray:
     return np.append(f[f < high * (1 - 1e-9)], high)
 
 
-Levels = Annotated[
-    Sequence[Sequence[float]], pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]")
-]
+Levels = TypeAliasType(
+    "Levels", Annotated[Sequence, Points("level", "g", "[(500, 700), (2000, 1500)]")]
+)
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Return a spectrum's points as an array, (points, 2); raises ValueError for invalid ones."""
-    points = argument_of(Levels).take("srs", points)
+    points = np.asarray(points, float)
     if points[-1][0] > MOST_SPAN * points[0][0]:
         raise ValueError(f"srs: frequencies span more than 1:{MOST_SPAN}; write a narrower range")
     return points

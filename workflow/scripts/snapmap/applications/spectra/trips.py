@@ -1,7 +1,7 @@
 """Whether records that meet a shock response spectrum trip a device, and at which factor."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Unpack
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -11,10 +11,10 @@ from ...pulse.pulse import DIRECTIONS, G, Pulse
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...solver.cost import tell
-from ...solver.options import AutoOptions
-from ...study import arguments
-from ...study.study import OF_THRESHOLDS, Study, study_of
+from ...study.arguments import AnyStudy, Axes
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...values.quantities import Dampers, Seed
 from ...thresholds.cost import run_seconds
 from ...thresholds.probe import Probe
 from .psd import Records
@@ -27,41 +27,57 @@ PER_RECORD = 120
 """Time that a record takes, over that of a run as forecast: 12 levels, each ten times as long."""
 
 
-class TripOptions(arguments.RunOptions, AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `srs_test`."""
-
-    direction: arguments.Direction
-
-
 def srs_test(
-    device: arguments.Devices,
+    study: AnyStudy,
     srs: Levels,
-    C: arguments.Dampers,
+    C: Dampers,
+    *,
     records: Records = RECORDS,
-    seed: arguments.Seed = SEED,
-    model: arguments.Model = "auto",
-    **options: Unpack[TripOptions],
+    seed: Seed = SEED,
+    axes: Axes = MappingProxyType({}),
 ) -> xr.Dataset:
     """Follow a device under random records that meet a shock response spectrum of Q = 10.
 
-    srs: ascending pairs (Hz, multiples of g), interpolated on logarithmic scales
-    records: number of records, of wavelets at sixth octaves
-    seed: of the random records
-    options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
-    The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and
-    `peak` (g), `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign)
-    over `record`.
+    Parameters
+    ----------
+    study
+        Devices, model, one direction, and how each record is followed; or a Device.
+    srs
+        Ascending pairs (Hz, multiples of g), interpolated on logarithmic scales.
+    C
+        Dampings of the mass, uN us/um, each once.
+    records
+        Number of records, of wavelets at sixth octaves.
+    seed
+        Seed of the random records.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and `peak` (g),
+        `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign) over
+        `record`.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
-    >>> snaps = snapmap.srs_test(device, C=[25], **shaken).snaps
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> snaps = snapmap.srs_test(study, [(500, 700), (2000, 1500)], 25, records=2).snaps
     >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
     [0.0, 1.0]
     """
     points = check_points(srs)
-    study, axes = study_of(device, model, options, C=C)
     study.require_frame("a shock response spectrum")
-    return trips_of(study, axes, points, {"records": records, "seed": seed})
+    if len(study.shocks.directions) > 1:
+        raise ValueError("study.direction: has several; write one")
+    return trips_of(study, {**axes, "C": C}, points, {"records": records, "seed": seed})
 
 
 def trips_of(

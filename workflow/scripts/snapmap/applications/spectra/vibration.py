@@ -3,19 +3,21 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Unpack
+from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypeAliasType
 
-from ...device.argument import number
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
-from ...solver.options import AutoOptions
-from ...study import arguments
-from ...study.study import OF_THRESHOLDS, Study, study_of
+from ...study.arguments import AnyStudy, Axes
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...values.kinds import Single
+from ...values.quantities import Dampers, Fraction, Seed
 from ...thresholds.probe import Probe
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
@@ -38,50 +40,67 @@ ENOUGH = 1e-12
 """Least determinant of a fit, relative, at which its slope is determined."""
 
 
-class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `vibration`."""
-
-    energy_tolerance: arguments.EnergyTolerance
-    threads: arguments.Threads
+Seconds = TypeAliasType("Seconds", Annotated[float | str, Single("a duration", "s", "60 s")])
 
 
 def vibration(
-    device: arguments.Devices,
+    study: AnyStudy,
     psd: Density,
-    duration: Annotated[float, number("(0, inf)", "s", "60")],
-    C: arguments.Dampers,
+    duration: Seconds,
+    C: Dampers,
+    *,
     records: Records = RECORDS,
-    seed: arguments.Seed = SEED,
-    model: arguments.Model = "auto",
-    reach: Annotated[float, number("(0, 1)", "", "0.01")] = REACH,
-    **options: Unpack[VibrationOptions],
+    seed: Seed = SEED,
+    reach: Fraction = REACH,
+    axes: Axes = MappingProxyType({}),
 ) -> xr.Dataset:
     """Find how often Gaussian vibration snaps a device, and the level that it withstands.
 
-    psd: one-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales
-    duration: s
-    records: number of records from rest, each of a second or ten periods of the lowest frequency,
-        at most the duration
-    seed: of the random phases
-    reach: probability of a snap within the duration at the returned level
-    options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
-    The Dataset holds, over (..., C), `rate` and `probability` under this spectrum, with Poisson's
-    bounds, and `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it
-    is NaN, from 0 to inf; if none snaps at any level, inf. The attribute `rms` is that of the
-    spectrum (g).
+    Parameters
+    ----------
+    study
+        Devices and model, of which `auto` takes 5 cosines; or a Device.
+    psd
+        One-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales.
+    duration
+        Duration of the vibration, s.
+    C
+        Dampings of the mass, uN us/um, each once.
+    records
+        Number of records from rest, each of a second or ten periods of the lowest frequency, at
+        most the duration.
+    seed
+        Seed of the random phases.
+    reach
+        Probability of a snap within the duration at the returned level.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        Over (..., C): `rate` and `probability` under this spectrum, with Poisson's bounds, and
+        `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it is NaN,
+        from 0 to inf; if none snaps at any level, inf. `rms` is that of the spectrum (g).
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
-    >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
-    >>> round(rates.rms), rates.snaps.values.tolist()
+    >>> study, psd = snapmap.Study(device, model="cosines"), [(20, 4.0), (2000, 4.0)]
+    >>> rates = snapmap.vibration(study, psd, 0.1, 25, records=2, reach=0.5)
+    >>> round(float(rates.rms)), rates.snaps.values.tolist()
     (89, [0.0])
     """
-    study, axes = study_of(device, model, options, C=C)
     study.require_frame("random vibration")
     spectrum = Spectrum(psd)
     spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, axes, spectrum, drawn)
+    return vibration_of(study, {**axes, "C": C}, spectrum, drawn)
 
 
 def vibration_of(
@@ -92,7 +111,7 @@ def vibration_of(
     study: its pulse does not matter
     axes: values of the device, and C; drawn: duration, records, seed and reach
     """
-    study = replace(study, shocks=HANDOUT_SHOCK)
+    study = study.under(HANDOUT_SHOCK)
     grid = study.set_out(axes)
     T, records, seed, reach = (drawn[key] for key in ("duration", "records", "seed", "reach"))
     length, rms = spectrum.record_length(T), spectrum.rms

@@ -11,15 +11,12 @@ if TYPE_CHECKING:
 
 
 class Statics(Application):
-    public = ("statics.statics",)
     quick = True
     part = "7 Device"
 
     def outputs(self, study: Config) -> Files:
         """A file for each device, with its name if several; none of a user's own beam."""
-        from ...solver.laws import laws_of
-
-        laws = laws_of(study.model)
+        laws = study.model.laws
         if laws and (laws.force or laws.solver):
             return {}
         several = len(study.devices()) > 1 or isinstance(study.device, dict)

@@ -17,7 +17,7 @@ from ...beam.equilibria import (
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
 from ...numerics.portable import sine
-from ...study import arguments
+from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
 from ...study.variables import dress
 from .. import merge
@@ -31,7 +31,7 @@ LEAST_LOG = -32.0
 """Least ln x in `_tilted`; no imperfection is so small that N comes nearer to the load."""
 
 
-def statics(device: arguments.SingleDevice) -> xr.Dataset:
+def statics(study: SingleStudy) -> xr.Dataset:
     """Push the midpoint of a beam slowly from the first shape to the second and beyond.
 
     Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
@@ -49,6 +49,7 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
     >>> round(path.largest_force, 2), round(path.least_force, 2)
     (70.67, -32.54)
     """
+    device = study.device
     modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
     barrier = find_barrier(device.beam, shapes)
     first = first_midpoint(shapes, device.beam).item()

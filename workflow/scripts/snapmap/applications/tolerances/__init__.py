@@ -16,22 +16,14 @@ AXES = "C", "f0", "N", "temperature"
 
 
 class Tolerances(Application):
-    public = ("dataset.tolerance",)
     rule, message = "find_tolerance", "Find the thresholds of devices as made"
     part, threads, megabytes, priority = "6 Devices as made", 4, 4000, 45
 
-    def section(self) -> Any:
+    def section(self) -> tuple[Any, str]:
         """The values that scatter, and the number of samples."""
-        from ...config.keys import part
         from .sections import TolerancesSection
 
-        return part(TolerancesSection, out="no scatter")
-
-    def described(self) -> Mapping[str, Any]:
-        """Its sections, as docs/config.md has them."""
-        from .sections import TolerancesSection
-
-        return {"tolerances": TolerancesSection}
+        return TolerancesSection, "what scatters between devices, or between shocks"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The `Tolerances`, or None; ValueError, one line, if a device cannot have them."""
@@ -39,10 +31,11 @@ class Tolerances(Application):
 
         if not section:
             return None
+        tolerances = section.tolerances()
         for device in study.devices().values():
-            Plan(device, section.made.scatters, section.made.together)
+            Plan(device, tolerances.scatters, tolerances.together)
         study.set_out({})
-        return section.made
+        return tolerances
 
     def doubts(self, study: Config) -> list[str]:
         """Lines about scatters that are hardly meant, and devices as made that are no switch."""

@@ -3,20 +3,19 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import Annotated, Unpack
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.argument import mapping_of, number
 from ...device.device import VALUES
 from ...files.text import plain
 from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
-from ...study import arguments
+from ...study.arguments import AnyStudy, Requirements
 from ...study.axes import COORDINATES, NAMES
 from ...study.study import (
     ARRIVES,
@@ -24,11 +23,11 @@ from ...study.study import (
     OF_THRESHOLDS,
     Study,
     of_requirement,
-    study_of,
     with_shocks,
 )
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
+from ...values.quantities import Amplitudes, Dampers, Frequencies, Refinement, Seed
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantile_bounds, quantiles
 
@@ -38,53 +37,74 @@ AMPLITUDES = 101
 
 BOUND = ("low", "high")
 
-Scatters = Annotated[
-    Mapping[str, float | str | Mapping],
-    mapping_of(
-        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
-    ),
-]
 
 
 def tolerance(
-    device: arguments.Devices,
+    study: AnyStudy,
     scatters: Scatters,
-    f0: arguments.Frequencies | None,
-    C: arguments.Dampers,
-    N: arguments.Amplitudes | None = None,
-    model: arguments.Model = "auto",
-    tolerance: Annotated[float, number("[1e-5, 0.01]", "", "1e-3")] = 1e-3,
+    f0: Frequencies | None,
+    C: Dampers,
+    N: Amplitudes | None = None,
+    *,
+    threshold_tolerance: Refinement = 1e-3,
     samples: Samples = SAMPLES,
     index_samples: Samples | None = None,
-    seed: arguments.Seed = SEED,
+    seed: Seed = SEED,
     together: Groups = (),
-    requirements: arguments.Requirements = (),
-    **options: Unpack[arguments.ThresholdOptions],
+    requirements: Requirements = (),
 ) -> xr.Dataset:
-    """Find the thresholds of devices whose values scatter, over C (uN us/um) and f0 (Hz).
+    """Find the thresholds of devices whose values scatter.
 
-    scatters: standard deviation of each value, in internal units or as a share such as "5 %", or
+    Parameters
+    ----------
+    study
+        Devices, model and shocks; or a Device.
+    scatters
+        Standard deviation of each value, in internal units or as a share such as "5 %", or
         {kind: width} of normal, uniform (half width), lognormal or truncated (at two standard
-        deviations); N, duration and C scatter from shock to shock, in shares
-    N: multiples of g for probabilities; None for the range of thresholds
-    model: `auto` takes the cheapest level within its tolerance, 0.1 % by default
-    tolerance: relative refinement of each threshold
-    samples: number of devices
-    index_samples: number of devices for Sobol indices; None for as many as are affordable
-    seed: of the random devices
-    together: groups of names, as [["span", "rise"]]; a single draw moves each group
-    requirements: as of `design`, optionally with survives (whether the beam must not break)
-    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
+        deviations); N, duration and C scatter from shock to shock, in shares.
+    f0
+        Frequencies of the pulse, Hz, each once; None for a recorded shock.
+    C
+        Dampings of the mass, uN us/um, each once.
+    N
+        Multiples of g for probabilities; by default the range of thresholds.
+    threshold_tolerance
+        Relative refinement of each threshold.
+    samples
+        Number of devices.
+    index_samples
+        Number of devices for Sobol indices; by default as many as are affordable.
+    seed
+        Seed of the random devices.
+    together
+        Groups of names, as [["span", "rise"]]; a single draw moves each group.
+    requirements
+        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction, start, and survives
+        (whether the beam must not break).
 
+    Returns
+    -------
+    Dataset
+        Statistics of the thresholds over (..., C, f0), probabilities of a snap over N, Sobol
+        indices over what scatters, and the yield under the requirements.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on a sample that cannot exist.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
+    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, 1500, 25, samples=64)
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
     requirements = [with_shocks(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
-    return tolerances_of(study, axes, tolerances, requirements, tolerance)
+    axes = {"C": C, "f0": f0, "N": N}
+    return tolerances_of(study, axes, tolerances, requirements, threshold_tolerance)
 
 
 def tolerances_of(

@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.quantities import QUANTITIES, plain
+from ...files.text import plain
 from ...device.samples import Plan, Tolerances
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
-from ...study.axes import TEMPERATURE, Units, rows_of
+from ...study.axes import KIND_OF, TEMPERATURE, Units, rows_of
 from ...study.study import ANY, SNAPS, OF_THRESHOLDS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
@@ -156,7 +156,7 @@ def summary(window: xr.Dataset, units: Units) -> str:
     best = np.unravel_index(np.nanargmax(least), least.shape)
     where = []
     for key, place in zip(axes, best, strict=True):
-        unit, size = units.get(key, (QUANTITIES[key].unit, 1.0))
+        unit, size = units.get(key, (KIND_OF[key].unit, 1.0))
         value = between(window[key].values, 1)[place]
         where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
     words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
