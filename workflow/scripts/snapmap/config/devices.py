@@ -4,21 +4,18 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, fields, replace
 from os import PathLike
-from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..beam.modal import natural_frequency
 from ..device.curved_beam import BEAM_VALUES, COSINES
 from ..device.device import Beam, Device
-from ..files.named import inside
-from ..files.text import describe, show
-from ..values.faults import Faults, few
-from ..values.kinds import Kind, Quantity
+from ..files.text import show
+from ..values.faults import Faults
 from ..values.paths import ExistingPath
 from ..values.quantities import Quality
 from ..values.records import assemble, read, record
+from .kinds import Amplitudes, StudyPath
 from .measured_shape import read_shape
 from .renamed import renew
 from .yaml_file import read_document
@@ -27,50 +24,6 @@ AS_MEASURED = 0.1
 """Largest relative difference of span and rise from those of a measured shape."""
 LEAST_TILT = 1e-6
 """Tilt of a measured shape, um, below which it is only rounding."""
-
-
-class AmplitudesKind(Kind):
-    """Amplitudes of cosines."""
-
-    need = f"a list of up to {len(COSINES) + 1} plain numbers"
-
-    def read(self, value: object) -> list[float]:
-        """Read a list of numbers."""
-        if not isinstance(value, list) or not 0 < len(value) <= len(COSINES) + 1:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        kind, amplitudes, faults = Quantity("a plain number", "", "0.1", "(-inf, inf)"), [], []
-        for place, item in enumerate(value):
-            try:
-                amplitudes.append(kind.read(item))
-            except ValueError as error:
-                faults.append(f"[{place}]: {error}")
-        if faults:
-            raise Faults(*few(faults))
-        return amplitudes
-
-    def schema(self) -> dict:
-        """Describe a list of numbers."""
-        return {"type": "array", "items": {"type": "number"}, "minItems": 1, "maxItems": 5}
-
-
-class PathKind(Kind):
-    """The path of a file in the study's folder."""
-
-    need = "the path of a file in the study's folder"
-
-    def read(self, value: object) -> str:
-        """Read a path."""
-        if not (isinstance(value, str) and value):
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return inside(value)
-
-    def schema(self) -> dict:
-        """Describe a path."""
-        return {"type": "string"}
-
-
-StudyPath = TypeAliasType("StudyPath", Annotated[str, PathKind()])
-Amplitudes = TypeAliasType("Amplitudes", Annotated[list[float], AmplitudesKind()])
 
 
 @record

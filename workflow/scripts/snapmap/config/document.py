@@ -5,45 +5,26 @@ from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 from typing_extensions import TypeAliasType
 
 from ..applications import gather
 from ..device.device import VALUES
 from ..files.named import sha256_of
 from ..files.tables import ROWS
-from ..files.text import describe, is_title
+from ..files.text import describe
 from ..solver.options import Model
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
-from ..study.axes import COORDINATES, KIND_OF, axis_behind
+from ..study.axes import COORDINATES, KIND_OF
 from ..values.kinds import Kind, Several
 from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
 from ..values.records import record, row_of_kinds
-from .devices import DeviceSection, PathKind
+from .devices import DeviceSection
+from .kinds import PathKind, Title
 from .points import read_points
 from .shocks import TIMED, PulseSection, one_time
 
 AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
 """Names of axes of figures."""
-
-
-class TitleKind(Kind):
-    """A title."""
-
-    need = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
-
-    def read(self, value: object) -> str:
-        """Read a title."""
-        if not is_title(value):
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return value
-
-    def schema(self) -> dict:
-        """Describe text."""
-        return {"type": "string", "maxLength": 60}
-
-
-Title = TypeAliasType("Title", Annotated[str, TitleKind()])
 
 
 class AxisName(Kind):
@@ -169,7 +150,9 @@ class Core:
     def beside(cls, written: Mapping) -> dict:
         """Find sections and keys that are missing, or that exclude others."""
         needs = {"model": Model.__value__.__metadata__[0].asks, "sweep": "a mapping: the axes"}
-        faults = {key: f"missing; write {need}" for key, need in needs.items() if key not in written}
+        faults = {
+            key: f"missing; write {need}" for key, need in needs.items() if key not in written
+        }
         several = written.get("devices")
         if "device" not in written and several is None:
             faults["device"] = "missing; write a mapping: the beam, the mass and what they meet"
@@ -213,9 +196,7 @@ def _dampers(written, sweep, several):
 def _document():
     """Make the record of the whole config: sections of the core and of all applications."""
     sections = gather(lambda application: application.section())
-    hints = {key: Annotated[kind | None, Field(description=what)] for key, (kind, what) in sections.items()}
-    body = dict.fromkeys(sections) | {"__annotations__": hints, "__doc__": Core.__doc__}
-    return record(type("Document", (Core,), body))
+    return row_of_kinds("Document", sections, Core)
 
 
 Document = _document()

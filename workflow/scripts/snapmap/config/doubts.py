@@ -1,6 +1,9 @@
 """Lines on a study before it runs: how its devices vibrate, and what may be wrong."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,10 +12,12 @@ from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
 from ..files.text import plain
-from ..study.study import Study
 from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
+
+if TYPE_CHECKING:
+    from .study import Config
 
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
 HARDLY = 0.05
@@ -24,7 +29,7 @@ TILTING = 8
 
 
 def descriptions(study: Config) -> list[str]:
-    """Describe each nominal device of a study, in one line each; study: a `Config`."""
+    """Describe each nominal device of a study, in one line each."""
     lines = list(study.measured.values())
     for name, device in study.devices().items():
         beam, words = device.beam, []
@@ -40,16 +45,13 @@ def descriptions(study: Config) -> list[str]:
     return lines
 
 
-def dampers(study: Study) -> np.ndarray | None:
+def dampers(study: Config) -> np.ndarray | None:
     """Give the values of C, uN us/um; None where a user's own laws decide its unit."""
     return None if study.model.laws else study.axes["C"]
 
 
-def doubts(study: Study) -> list[str]:
-    """Warn, in lines, of values that are hardly meant and of what the model may leave out.
-
-    study: a `Config`
-    """
+def doubts(study: Config) -> list[str]:
+    """Warn, in lines, of values that are hardly meant and of what the model may leave out."""
     axes, (first, *_) = study.axes, study.devices().values()
     lines = study.renamed + implausible(study.grid.device, dampers(study), axes["f0"])
     lines += unusual_runs(N=axes["N"], horizon=study.run.horizon)

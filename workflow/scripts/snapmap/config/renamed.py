@@ -51,9 +51,9 @@ def _move(section, path, names):
             lines.append(f"{path}{old}: is called {path}{new} since version 0.4; write that")
     for old, home in old_homes.items():
         above, _, key = old.rpartition(".")[0].rpartition(".")
-        if home == {} and key and key != "sweep" and (outer := _home(section, f"{above}.{key}")):
-            if outer.get(key) is home:
-                del outer[key]
+        outer = _home(section, f"{above}.{key}")
+        if home == {} and key not in ("", "beam", "sweep") and outer.get(key) is home:
+            del outer[key]
     return lines
 
 

@@ -14,7 +14,7 @@ from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..pulse.trains import Blow, Drop
 from ..values.kinds import Kind
 from ..values.records import record, told
-from .devices import StudyPath
+from .kinds import StudyPath
 
 TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and set their own duration."""

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydantic import ValidationError
 
 from ..applications import attached, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
@@ -121,7 +120,11 @@ def load_config(document: Mapping) -> Config:
 
     def views(name, y):
         def read(view):
-            return view.x, getattr(view, y), read_places(view.x, getattr(view, y), view.at, grid.axes)
+            return (
+                view.x,
+                getattr(view, y),
+                read_places(view.x, getattr(view, y), view.at, grid.axes),
+            )
 
         sections = getattr(parts, name)
         return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]

@@ -27,11 +27,10 @@ DIGITS = 7
 """Decimals to which deviations over their width are rounded, so libraries cannot differ."""
 
 
-
 def _take_groups(value):
     groups = value if isinstance(value, list | tuple) else [value]
-    names = [group for group in groups if isinstance(group, list | tuple)]
-    if len(names) < len(groups) or not all(isinstance(key, str) for key in sum(map(list, names), [])):
+    are_lists = all(isinstance(group, list | tuple) for group in groups)
+    if not are_lists or not all(isinstance(key, str) for group in groups for key in group):
         raise ValueError(f"{show(value)} is not a list of groups of names, as [[span, rise]]")
     return value
 

@@ -28,6 +28,7 @@ WEIGHTS = np.array([WEIGHTS[0], WEIGHTS[1], 512.0, WEIGHTS[1], WEIGHTS[0]]) / 18
 _N = np.arange(1, TERMS + 1)
 _SQUARE = 1.0 * _N * _N
 
+
 def coefficients(cosines: Sequence[Number]) -> np.ndarray:
     """Return the a_n, (..., TERMS), that put the midpoint at 1; cosines: a_2 to a_5, each (...)."""
     others = np.stack(np.broadcast_arrays(*cosines), axis=-1)

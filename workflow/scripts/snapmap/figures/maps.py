@@ -5,15 +5,17 @@ from typing import Annotated
 
 import numpy as np
 import xarray as xr
-from typing_extensions import TypeAliasType
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from typing_extensions import TypeAliasType
 
 from ..config.points import Point
 from ..files.text import show
 from ..study.axes import axis_behind
 from ..sweeps.cube import outcome_names, require_cube
+from ..values.kinds import Fitting
+from ..values.quantities import Truth
 from . import plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick

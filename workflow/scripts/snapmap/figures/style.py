@@ -21,12 +21,12 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
-from ..files.text import plain
 from ..files.atomic import replacing
+from ..files.text import plain
 from ..pulse.pulse import NEAR_G, VERSED_SINE, G
 from ..pulse.shocks import MAKERS
-from ..values.units import used
 from ..solver.settings import FIRST
+from ..values.units import used
 
 COLUMN, PAGE = 56, 130
 """Most signs in a line over one column, and over two."""

@@ -61,7 +61,9 @@ def inside(file: str) -> str:
     Paths stand in tables and on the terminal.
     """
     if not is_showable(file):
-        raise ValueError(f"{describe(file)} has signs that do not print or are in {SIGNS}; rename it")
+        raise ValueError(
+            f"{describe(file)} has signs that do not print or are in {SIGNS}; rename it"
+        )
     if PurePath(file).is_absolute() or ".." in PurePath(file).parts:
         raise ValueError(f"{file} lies outside the study's folder; copy it there")
     return file

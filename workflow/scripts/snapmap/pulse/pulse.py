@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-
 from typing_extensions import TypeAliasType
 
 from ..files.tables import require_rising
@@ -275,7 +274,7 @@ class Form:
 
     def __post_init__(self):
         """Raise ValueError for shares that do not fit."""
-        for key, share in self.shares.items():
+        for key in self.shares:
             if self.shape != "trapezoid":
                 raise ValueError(f"{key}: is of a trapezoid alone; leave it out")
             if sum({"rise": TENTH, "fall": TENTH, **self.shares}.values()) > 1:
@@ -301,9 +300,7 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
     return pieces
 
 
-def sampled(
-    time: Times, acceleration: Series, name: str = "recorded"
-) -> Pulse:
+def sampled(time: Times, acceleration: Series, name: str = "recorded") -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 
     time: us, ascending, (samples,)

@@ -13,7 +13,7 @@ from ..values.faults import in_list
 from ..values.kinds import Fitting, Single, Whole
 from ..values.quantities import Height, PulseTime
 from ..values.records import build, record, told
-from .pulse import SHARES, Form, G, Pulse
+from .pulse import Form, G, Pulse
 
 # ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
@@ -32,7 +32,9 @@ def _take_peak(value):
 _JSON = (("type", "number"),)
 Peak = TypeAliasType("Peak", Annotated[float, Fitting("a plain number", _take_peak, _JSON)])
 Times = TypeAliasType("Times", Annotated[int, Whole(1)])
-Rebound = TypeAliasType("Rebound", Annotated[float, Single("a plain number", "", "0.3", "[0, 0.99]")])
+Rebound = TypeAliasType(
+    "Rebound", Annotated[float, Single("a plain number", "", "0.3", "[0, 0.99]")]
+)
 
 
 @record

@@ -10,7 +10,7 @@ from ..device.device import Device
 from .cells import Cells, Observations
 from .laws import well_of
 from .models import Follows, build_model, mixed, require_fitting
-from .options import TOLERANCE, Auto, Choice, Cosines
+from .options import TOLERANCE, Auto, Chosen, Cosines
 from .settings import FIRST, Run
 
 RUNGS = (3, 5, 11)
@@ -134,7 +134,7 @@ class Survey(NamedTuple):
         return self, *(self.finer.levels if self.finer else ())
 
 
-def choose_model(device: Device, chosen: Choice, start: str = FIRST) -> Follows | Adaptive:
+def choose_model(device: Device, chosen: Chosen, start: str = FIRST) -> Follows | Adaptive:
     """Build the chosen model for a device or a batch; start: as in `Run`."""
     if isinstance(chosen, Auto):
         require_fitting(device, chosen)
@@ -142,7 +142,7 @@ def choose_model(device: Device, chosen: Choice, start: str = FIRST) -> Follows 
     return build_model(device, chosen)
 
 
-def choose_survey(device: Device, chosen: Choice, start: str = FIRST) -> Survey:
+def choose_survey(device: Device, chosen: Chosen, start: str = FIRST) -> Survey:
     """Build the survey of the chosen model for a batch; start: as in `Run`."""
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := chosen.laws:

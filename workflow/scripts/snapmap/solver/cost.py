@@ -36,9 +36,7 @@ def spoken(seconds: float) -> str:
     return f"{plain(seconds, 2)} s"
 
 
-def steps_and_seconds(
-    built: Follows, cells: Cells, settings: Run
-) -> tuple[np.ndarray, np.ndarray]:
+def steps_and_seconds(built: Follows, cells: Cells, settings: Run) -> tuple[np.ndarray, np.ndarray]:
     """Return the step of each cell, us, and about the time to follow it to its horizon, s.
 
     Both have the cells' shape.

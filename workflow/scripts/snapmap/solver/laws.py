@@ -65,7 +65,7 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-) -> "Reference":
+) -> object:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
     damping: function (C, velocity, place) that returns the drag on the mass, uN, else C velocity

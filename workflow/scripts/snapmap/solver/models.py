@@ -1,7 +1,7 @@
 """Models of a device or a batch, by name: each follows cells and returns observations."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -21,7 +21,7 @@ from ..files.counting import count
 from ..values.kinds import Number
 from .cells import Cells, Observations, no_observations
 from .laws import Laws, well_of
-from .options import Choice, Cosines, Elements, Reference
+from .options import Chosen, Cosines, Elements, Reference
 from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
@@ -295,7 +295,7 @@ def _build(device, chosen, is_free):
     return Model(name, device, basis, modal, barrier, steps, laws)
 
 
-def require_fitting(device: Device, chosen: Choice) -> None:
+def require_fitting(device: Device, chosen: Chosen) -> None:
     """Raise ValueError, one line, for a model that a device excludes."""
     if chosen.name == "reference" and np.isinf(device.contact).any():
         raise ValueError(

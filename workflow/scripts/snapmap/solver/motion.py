@@ -1,6 +1,5 @@
 """The largest stress in the beams of many cells."""
 
-
 import numpy as np
 
 from ..device.device import Device
@@ -9,21 +8,21 @@ from . import simd_loop
 from .adaptive import choose_model
 from .cells import Cells
 from .models import Follows, Model, deciders
-from .options import Choice, Elements, Reference
+from .options import Chosen, Elements, Reference
 from .settings import Run
 
 STRETCH = 4
 """Number of steps of which the length of a run is a multiple."""
 
 
-def motion_levels(device: Device, model: Choice, settings: Run) -> tuple[Follows, ...]:
-    """Build the levels of a model that decide cells; for `reference`, its elements in their modes."""
+def motion_levels(device: Device, model: Chosen, settings: Run) -> tuple[Follows, ...]:
+    """Build the levels of a model that decide cells; of `reference`, those of its elements."""
     if isinstance(model, Reference):
         model = Elements(model.elements)
     return choose_model(device, model, settings.start).levels
 
 
-def largest_stress(device: Device, model: Choice, cells: Cells, settings: Run) -> np.ndarray:
+def largest_stress(device: Device, model: Chosen, cells: Cells, settings: Run) -> np.ndarray:
     """Find the largest tensile stress in the beam of each cell up to its end, MPa, (cells,).
 
     device: batch to which the cells belong

@@ -67,7 +67,7 @@ class Reference:
     """the model"""
 
 
-Choice = Auto | Cosines | Elements | Reference
+Chosen = Auto | Cosines | Elements | Reference
 MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
 
 
@@ -78,9 +78,9 @@ class ModelKind(Kind):
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
-    def take(self, value: object) -> Choice:
+    def take(self, value: object) -> Chosen:
         """Give the record of a value of Python."""
-        if isinstance(value, Choice):
+        if isinstance(value, Chosen):
             return value
         if isinstance(value, Laws):
             return Reference(laws=value)
@@ -92,7 +92,7 @@ class ModelKind(Kind):
             raise ValueError(f"{show(value)} is not {self.need}")
         return MODELS[value]()
 
-    def read(self, value: object) -> Choice:
+    def read(self, value: object) -> Chosen:
         """Read a section of a config."""
         if not isinstance(value, Mapping):
             raise ValueError(f"{describe(value)} is not {self.asks}")
@@ -106,10 +106,10 @@ class ModelKind(Kind):
         return MODELS[value["name"]]
 
 
-Model = TypeAliasType("Model", Annotated[str | Choice | Mapping | Callable, ModelKind()])
+Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping | Callable, ModelKind()])
 
 
-def section_of(chosen: Choice) -> dict[str, object]:
+def section_of(chosen: Chosen) -> dict[str, object]:
     """Write the section of a config; laws by their file, with its hash, or by their names."""
     options = {key: value for key, value in told(chosen).items() if key != "name"}
     if chosen.laws:

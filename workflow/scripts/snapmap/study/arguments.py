@@ -92,7 +92,9 @@ class RequirementsKind(Kind):
                 raise ValueError(f"[{place}].{key}: {error}") from None
         snaps = item["snaps"]
         if not isinstance(snaps, bool | np.bool_) and snaps not in (ANY, ARRIVES):
-            raise ValueError(f'[{place}].snaps: {show(snaps)} is not True, False, "arrives" or "any"')
+            raise ValueError(
+                f'[{place}].snaps: {show(snaps)} is not True, False, "arrives" or "any"'
+            )
         return item | {"snaps": snaps if isinstance(snaps, str) else bool(snaps)}
 
 

@@ -152,9 +152,7 @@ def _vary(devices, point):
 def point_text(point: Mapping[str, float | str]) -> str:
     """Write the place of a point on its axes, with units, for messages."""
     return ", ".join(
-        f"{key} = {value}"
-        if key in NAMES
-        else f"{key} = {value:.6g} {KIND_OF[key].unit}".rstrip()
+        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {KIND_OF[key].unit}".rstrip()
         for key, value in point.items()
     )
 

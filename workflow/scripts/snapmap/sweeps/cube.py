@@ -3,7 +3,7 @@
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..study.arguments import AnyStudy, Axes
 from ..study.axes import NAMES, rows_of
 from ..study.variables import dress, flags, variables
 from ..values.quantities import Amplitudes, Dampers, Frequencies
-from .grid import Observer, follow_rows
+from .grid import Observers, follow_rows
 
 LABEL_DISTANCE = 0.01
 """Relative distance from a well-posed threshold within which labels may be wrong, with three
@@ -50,7 +50,7 @@ def sweep(
     C: Dampers,
     *,
     axes: Axes = MappingProxyType({}),
-    observers: Sequence[Observer] = (),
+    observers: Observers = (),
 ) -> xr.Dataset:
     """Simulate every cell of a grid.
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
-from ..solver.outcome import count
 from ..solver.options import section_of
+from ..solver.outcome import count
 from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
 from .grid import Observers, follow_rows

@@ -17,8 +17,8 @@ from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
+from ..solver.options import Chosen
 from ..solver.outcome import LATCHED, label, side_at_end
-from ..solver.options import Choice
 from ..solver.settings import Run
 from ..study.study import ANY, Study, of_requirement
 from .bars import distance
@@ -175,7 +175,7 @@ class Batch:
         )
 
 
-def choose_levels(device: Device, model: Choice, rows: Rows, settings: Run) -> list[Choice]:
+def choose_levels(device: Device, model: Chosen, rows: Rows, settings: Run) -> list[Choice]:
     """Choose the models that decide the thresholds of rows.
 
     With `auto`, each row takes the first of LADDER that agrees, within the tolerance of `auto`,

@@ -241,7 +241,9 @@ class Several(Kind):
         faults = [f".{key}: missing" for key in self.KEYS[:3] if key not in section]
         known = ", ".join(self.KEYS)
         strange = [key for key in section if key not in self.KEYS]
-        faults += [f".{describe(key, 40)[1:-1]}: unknown key; known here are {known}" for key in strange]
+        faults += [
+            f".{describe(key, 40)[1:-1]}: unknown key; known here are {known}" for key in strange
+        ]
         ends = []
         for key in ("from", "to"):
             try:
@@ -271,7 +273,10 @@ class Several(Kind):
         """Describe a list or a range."""
         item = self.of.schema()
         ends = {key: item for key in ("from", "to")}
-        spaced = {"points": {"type": "integer", "minimum": 1}, "spacing": {"enum": ["linear", "log"]}}
+        spaced = {
+            "points": {"type": "integer", "minimum": 1},
+            "spacing": {"enum": ["linear", "log"]},
+        }
         of_range = {"type": "object", "properties": ends | spaced, "additionalProperties": False}
         of_range["required"] = [*self.KEYS[:3]]
         return {"anyOf": [{"type": "array", "items": item, "minItems": 1}, of_range]}

@@ -17,5 +17,6 @@ def _take_path(value):
 
 
 ExistingPath = TypeAliasType(
-    "ExistingPath", Annotated[str | PathLike, Fitting("the path of a file that is there", _take_path)]
+    "ExistingPath",
+    Annotated[str | PathLike, Fitting("the path of a file that is there", _take_path)],
 )

@@ -11,6 +11,8 @@ from .kinds import Flag, Number, Quantity, Several, Single, Whole
 Value = Any
 """A number, an array, or text with a unit; a record has made numbers of it."""
 
+
+# fmt: off
 # ruff: noqa: E501, as a kind is one line
 Length = TypeAliasType("Length", Annotated[Value, Quantity("a length", "um", "600 um")])
 Distance = TypeAliasType("Distance", Annotated[Value, Quantity("a length", "um", "0.5 um", "[0, inf)")])
@@ -46,7 +48,10 @@ Refinement = TypeAliasType("Refinement", Annotated[float, Single("a plain number
 Positive = TypeAliasType("Positive", Annotated[float, Single("a plain number")])
 
 _N = Single("a multiple of gravity without a unit", "", "1000", "[0, inf)")
-_F0, _C = Single("a frequency", "Hz", "1500 Hz"), Single("a damper constant", "uN*us/um", "25 uN*us/um", "[0, inf)")
+_F0, _C = (
+    Single("a frequency", "Hz", "1500 Hz"),
+    Single("a damper constant", "uN*us/um", "25 uN*us/um", "[0, inf)"),
+)
 Amplitude = TypeAliasType("Amplitude", Annotated[float, _N])
 Frequency = TypeAliasType("Frequency", Annotated[Value, _F0])
 Damper = TypeAliasType("Damper", Annotated[Value, _C])

@@ -17,7 +17,16 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
 from math import inf
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    NamedTuple,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
@@ -183,13 +192,22 @@ def _explained(made, source, handler):
         if not faults:
             return section
         errors = [
-            {"type": PydanticCustomError("fault", line.replace("{", "{{")), "loc": path, "input": None}
+            {
+                "type": PydanticCustomError("fault", line.replace("{", "{{")),
+                "loc": path,
+                "input": None,
+            }
             for path, lines in faults.items()
             for line in lines
         ]
         raise ValidationError.from_exception_data(made.__name__, errors)
 
     return with_info_wrap_validator_function(explain, handler(source))
+
+
+def _escape(line):
+    """Escape a line that pydantic takes for a template."""
+    return line.replace("{", "{{")
 
 
 def _path(key):
@@ -280,10 +298,21 @@ def need_of(hint: object) -> str:
     return f"a list, each {need_of(get_args(lists[0])[0])}" if lists else "a mapping"
 
 
-def row_of_kinds(name: str, kinds: Mapping[str, tuple[object, str]]) -> type:
-    """Make a record whose optional fields have a type and a sentence each, by name."""
-    hints = {key: Annotated[hint | None, Field(description=what)] for key, (hint, what) in kinds.items()}
-    return record(type(name, (), dict.fromkeys(kinds) | {"__annotations__": hints}))
+def row_of_kinds(
+    name: str, kinds: Mapping[str, tuple[object, str]], *above: type[Made]
+) -> type[Made]:
+    """Make a record whose optional fields have a type and a sentence each, by name.
+
+    above: record whose fields it has, too
+    """
+    hints = {
+        key: Annotated[hint | None, Field(description=what)]
+        for key, (hint, what) in kinds.items()
+    }
+    body = dict.fromkeys(kinds) | {"__annotations__": hints}
+    if above:
+        body["__doc__"] = above[0].__doc__
+    return record(type(name, above, body))
 
 
 def schema(made: type) -> dict:
@@ -292,7 +321,7 @@ def schema(made: type) -> dict:
 
 
 class Row(NamedTuple):
-    """A row of a table of keys: key, what it is, what is right, and what holds if it is left out."""
+    """A row of a table of keys: what it is, what is right, what holds if it is left out."""
 
     key: str
     what: str

@@ -11,7 +11,7 @@ import numpy as np
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.options import Choice
+from ..solver.options import Chosen
 from ..solver.settings import Run
 from ..study.axes import DEVICE, Grid
 from ..sweeps.slabs import SINGLE, Slab, cells_in
@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 
 def make_plan(
     grid: Grid,
-    model: Choice,
+    model: Chosen,
     settings: Run,
     alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
     observing: Sequence[Callable] = (),

@@ -5,12 +5,11 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated
 
-from typing_extensions import TypeAliasType
-
 import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.special import log_ndtr
+from typing_extensions import TypeAliasType
 
 from ...device.device import VALUES
 from ...files.text import plain, show
@@ -45,7 +44,7 @@ class TableKind(Kind):
         """Take a path, or columns whose entries are numbers, flags, words or None."""
         if not hasattr(value, "keys"):
             return kind_of(ExistingPath).take(value)
-        for key in value.keys():
+        for key in value:
             column = value[key]
             rows = list(column) if getattr(column, "ndim", 0) == 1 else column
             if not isinstance(rows, list | tuple) or not all(map(_is_entry, rows)):

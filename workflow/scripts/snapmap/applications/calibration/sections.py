@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
-from ...config.devices import StudyPath
+from ...config.kinds import StudyPath
 from ...device.device import VALUES, Device
 from ...files.named import inside, sha256_of
 from ...files.tables import ROWS
@@ -105,8 +104,8 @@ def read_calibration(
     check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
     table = read_shots(section.shots, files[section.shots], N_of_g(device.gravity))
-    for record in table.get("file", []):
-        if record and record not in files:
-            files[record] = sha256_of(inside(record), *RECORD)
+    for file in table.get("file", []):
+        if file and file not in files:
+            files[file] = sha256_of(inside(file), *RECORD)
     shots = shots_from(table, shocks.first(), device)
     return Calibration(shots, files, unknowns, damping)

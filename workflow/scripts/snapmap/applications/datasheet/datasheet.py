@@ -10,13 +10,12 @@ from ...beam.equilibria import buckling_modes
 from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.device import Beam
-from ...files.text import leaves, plain
 from ...device.samples import Tolerances
-from ...files.text import DASH, table
+from ...files.text import DASH, leaves, plain, table
 from ...numerics.statistics import percents, scope
+from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
-from ...solver.options import section_of
 from ...study.axes import KIND_OF
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.study import Study

@@ -17,10 +17,10 @@ from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy
 from ...study.axes import COORDINATES, KIND_OF
 from ...study.study import ANY, Study, with_shocks
-from ...values.kinds import Fitting, kind_of
-from ...values.quantities import Damper, Frequency, Positive
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
+from ...values.kinds import Fitting, kind_of
+from ...values.quantities import Damper, Frequency, Positive
 
 POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""

@@ -1,12 +1,16 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, replace
+from typing import ClassVar
 
 import numpy as np
 
 from ...config.shocks import PulseSection
 from ...solver.settings import SECOND
 from ...study.study import ARRIVES, Study
+from ...values.quantities import PulseTime
+from ...values.records import record
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import RequiredShock
 from ..requirements.sections import ShockSection
@@ -58,7 +62,7 @@ class ClosingSection(ShockSection):
         if self.snaps is False or self.start == SECOND:
             more = ", and no start" if self.start == SECOND else ""
             need = f"write snaps: true or any{more}"
-            raise ValueError(f"{[*self.demands][0]}: needs a device that must trip; {need}")
+            raise ValueError(f"{next(iter(self.demands))}: needs a device that must trip; {need}")
         super().__post_init__()
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:

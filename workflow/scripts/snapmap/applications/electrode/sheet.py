@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...files.text import plain
-from ...files.text import table
+from ...files.text import plain, table
 from ...study.study import Study
 from ..requirements.corners import corner_text
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar
 
 from typing_extensions import TypeAliasType
 
-from ...config.document import Title
+from ...config.kinds import Title
 from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time, shocks_of
 from ...config.views import frequency_of
 from ...files.text import describe, show
@@ -102,7 +102,9 @@ class ShockSection(PulseSection):
     def __post_init__(self):
         """Raise ValueError for what cannot be in any study."""
         if self.N is not None and not self.N > 0:
-            raise ValueError(f"N: {self.N:g} is not above 0; a direction of -z pushes the other way")
+            raise ValueError(
+                f"N: {self.N:g} is not above 0; a direction of -z pushes the other way"
+            )
         if self.snaps == ANY and not (self.survives or self.kind.more):
             need = "true or false, or survives"
             raise ValueError(f"snaps: any leaves nothing to check; write {need}")

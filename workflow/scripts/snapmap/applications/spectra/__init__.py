@@ -9,7 +9,6 @@ from ..application import Application
 
 
 class Spectra(Application):
-
     def kinds(self) -> Mapping[str, Any]:
         """Sections of requirements, by the key that only they have."""
         from .sections import SpectrumSection, VibrationSection

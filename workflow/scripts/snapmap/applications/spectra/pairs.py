@@ -75,7 +75,9 @@ class Points(Kind):
         number, _, written = str(value).strip().partition(" ")
         is_text = isinstance(value, str)
         if is_text and (written.replace("²", "^2").replace("**", "^") != self.unit):
-            raise ValueError(f"{show(value)} is not a {self.noun}; write one such as '1 {self.unit}'")
+            raise ValueError(
+                f"{show(value)} is not a {self.noun}; write one such as '1 {self.unit}'"
+            )
         if is_text and not is_plain(number):
             raise ValueError(f"{show(value)} is not a {self.noun}")
         return Single(f"a {self.noun}").take(float(number) if is_text else value)

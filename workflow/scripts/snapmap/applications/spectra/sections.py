@@ -1,6 +1,6 @@
 """Sections of vibration and of shock response spectra among the requirements."""
 
-from ...config.document import Title
+from ...config.kinds import Title
 from ...config.shocks import PulseSection, Push
 from ...values.quantities import PulseTime, Share
 from ...values.records import record

@@ -9,6 +9,7 @@ from typing_extensions import TypeAliasType
 
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
+from .pairs import Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""

@@ -14,9 +14,9 @@ from ...solver.cost import tell
 from ...study.arguments import AnyStudy, Axes
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...values.quantities import Dampers, Seed
 from ...thresholds.cost import run_seconds
 from ...thresholds.probe import Probe
+from ...values.quantities import Dampers, Seed
 from .psd import Records
 from .srs import Levels, check_points, draw_seconds, record
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from types import MappingProxyType
 from typing import Annotated
 
@@ -16,9 +15,9 @@ from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Axes
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...thresholds.probe import Probe
 from ...values.kinds import Single
 from ...values.quantities import Dampers, Fraction, Seed
-from ...thresholds.probe import Probe
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
 

@@ -5,8 +5,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...files.text import plain
 from ...figures import style
+from ...files.text import plain
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
 GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}

@@ -3,15 +3,22 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.device import VALUES
+from ...device.samples import (
+    SAMPLES,
+    SEED,
+    SHOCK_FACTORS,
+    Groups,
+    Plan,
+    Samples,
+    Scatters,
+    Tolerances,
+)
 from ...files.text import plain
-from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
@@ -19,8 +26,8 @@ from ...study.arguments import AnyStudy, Requirements
 from ...study.axes import COORDINATES, NAMES
 from ...study.study import (
     ARRIVES,
-    SNAPS,
     OF_THRESHOLDS,
+    SNAPS,
     Study,
     of_requirement,
     with_shocks,
@@ -36,7 +43,6 @@ AMPLITUDES = 101
 """Default number of values of N, from the lowest to the highest threshold."""
 
 BOUND = ("low", "high")
-
 
 
 def tolerance(

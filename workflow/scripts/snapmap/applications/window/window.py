@@ -7,13 +7,13 @@ import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...files.text import plain
 from ...device.samples import Plan, Tolerances
+from ...files.text import plain
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import KIND_OF, TEMPERATURE, Units, rows_of
-from ...study.study import ANY, SNAPS, OF_THRESHOLDS, Study, of_requirement
+from ...study.study import ANY, OF_THRESHOLDS, SNAPS, Study, of_requirement
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import first_snaps
