@@ -123,7 +123,7 @@ def test_the_study_of_the_handout_is_exact():
     f0 = study.axes["f0"]
     assert (f0.size, f0[0], f0[-1]) == (41, 100.0, 30000.0)
     assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
-    assert study.run._replace(threads=1) == Run(1500.0, "settled", True, 1e-3)
+    assert study.run.but(threads=1) == Run(1500.0, "settled", True, 1e-3)
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
@@ -282,7 +282,7 @@ def test_a_fault_between_keys_is_one_line_that_names_one(key, document):
 def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
     def required(pulse, **keys):
         study = load_config(changed(pulse=pulse, requirements=[BLOW | keys]))
-        return [*requirements.shocks_of(study)[0]["shocks"].each()]
+        return [*requirements.shocks_of(study)[0].shocks.each()]
 
     def under(pulse, **keys):
         return [(shock.pulse.name, shock.direction) for shock in required(pulse, **keys)]

@@ -19,8 +19,6 @@ from ..values.records import record
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
-PUSH = ("pulse", "direction")
-"""Arguments of `make_shocks`."""
 ANY, ARRIVES = "any", "arrives"
 """Values of `snaps` of a required shock that may or may not snap the device, and of one under which
 the beam must arrive at its other shape, but need not stay there."""
@@ -128,27 +126,3 @@ class Study:
         run, sections = self.run.section(), device_sections(self.device) | self.shocks.section()
         run = {key: run[key] for key in keys or run if key in run}
         return sections | {"model": section_of(self.model), "run": run}
-
-
-def of_requirement(study: Study, required: Mapping) -> Study:
-    """Give the study of a requirement's own shock and start, by default the first shape."""
-    run = study.run.but(start=required.get("start", FIRST))
-    return replace(study, run=run).under(required.get("shocks", study.shocks))
-
-
-def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
-    """Add `shocks` to a requirement, by its pulse and direction, or else those of the study.
-
-    Raises ValueError, one line, if the requirement needs the pulse of a study whose pulse sets its
-    own duration.
-    """
-    if "shocks" in requirement:
-        return dict(requirement)
-    push = {"pulse": shocks.pulse, "direction": shocks.direction}
-    if "pulse" not in requirement and any(pulse.duration for pulse in shocks.shapes.values()):
-        raise ValueError(
-            f"requirements: {requirement['name']}: pulse: missing, as the study's pulse sets its "
-            "own duration; write a shape such as 'half sine'"
-        )
-    push |= {key: requirement[key] for key in PUSH if key in requirement}
-    return requirement | {"shocks": make_shocks(**push)}
