@@ -4,7 +4,6 @@ import json
 import math
 from collections import Counter
 from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -49,7 +48,7 @@ def sweep(
     f0: Frequencies | None,
     C: Dampers,
     *,
-    axes: Axes = MappingProxyType({}),
+    axes: Axes | None = None,
     observers: Observers = (),
 ) -> xr.Dataset:
     """Simulate every cell of a grid.
@@ -86,7 +85,7 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    axes = {**axes, "C": C, "f0": f0, "N": N}
+    axes = {**(axes or {}), "C": C, "f0": f0, "N": N}
     cells = math.prod(np.size(values) for values in axes.values() if values is not None)
     if cells > MOST_CELLS:
         raise ValueError(

@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -37,7 +36,7 @@ def threshold(
     *,
     tolerance: Refinement = THRESHOLD_TOLERANCE,
     highest: Positive | None = None,
-    axes: Axes = MappingProxyType({}),
+    axes: Axes | None = None,
 ) -> xr.Dataset:
     """Find the lowest N that snaps the beam, with error bars.
 
@@ -80,7 +79,7 @@ def threshold(
     >>> thresholds.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    return thresholds_of(study, {**axes, "C": C, "f0": f0}, tolerance, highest)
+    return thresholds_of(study, {**(axes or {}), "C": C, "f0": f0}, tolerance, highest)
 
 
 def thresholds_of(

@@ -36,7 +36,7 @@ from typing_extensions import dataclass_transform
 
 from ..files.text import describe, show
 from .faults import LONGEST_KEY, Faults, few, line_at
-from .kinds import WRITTEN, kind_of
+from .kinds import WRITTEN, Word, kind_of
 
 MOST_KNOWN = 20
 """Most keys that a message lists in full; of more, it lists half as many, the nearest."""
@@ -112,6 +112,8 @@ def _converter(hint):
     kind, optional = kind_of(hint), type(None) in get_args(hint)
     if kind:
         return lambda value: None if optional and value is None else kind.take(value)
+    if get_origin(hint) is Literal:
+        return Word(get_args(hint)).take
     holder = record_in(hint)
     if holder is None:
         return None

@@ -108,7 +108,11 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
         return array
     if not unit:
         raise ValueError(f"in {own[:30]} has a unit")
-    return np.reshape([_converted(x, own, unit) for x in array.ravel().tolist()], array.shape)
+    try:
+        converted = [_converted(number, own, unit) for number in array.ravel().tolist()]
+    except ValueError as error:
+        raise ValueError(f"in {own[:30]} {error}") from None
+    return np.reshape(converted, array.shape)
 
 
 def plain_numbers(value: object) -> np.ndarray | None:

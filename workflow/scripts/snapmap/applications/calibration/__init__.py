@@ -56,7 +56,7 @@ class Calibration(Application):
         from .dataset import calibration_of, summary
 
         shots, _, unknowns, C = study.requests["calibration"]
-        of_shots = replace(study.of_thresholds(), shocks=study.shocks.first())
+        of_shots = study.of_thresholds().under(study.shocks.first())
         write_product(calibration_of(of_shots, shots, unknowns, C), path, summary)
 
     def figures(self, study: Config) -> Figures:

@@ -204,7 +204,7 @@ def _threshold_finder(study, value, C, goals) -> Callable:
     values form speed it up, as in `thresholds_at`.
     """
     pulses = {str(i): goal.shocks.pulses[0] for i, goal in enumerate(goals)}
-    study = replace(study, shocks=Shocks(pulses))
+    study = study.under(Shocks(pulses))
     N, f0 = np.array([goal.N for goal in goals]), np.array([goal.f0 for goal in goals])
     snaps = np.array([goal.snaps for goal in goals])
     starts = np.array([goal.start for goal in goals])

@@ -57,7 +57,7 @@ class Histories(Application):
 
         shocks = study.shocks.first()
         for cell, path in zip(study.requests["histories"], history_paths, strict=True):
-            write(history_of(replace(study, device=cell.device, shocks=shocks), **cell.shock), path)
+            write(history_of(replace(study, device=cell.device).under(shocks), **cell.shock), path)
 
     def figures(self, study: Config) -> Figures:
         """A figure for each cell."""

@@ -92,7 +92,7 @@ def at_corner(study: Study, required: Shock, corner: Mapping) -> Study:
     pushed = corner["shape"], corner["direction"]
     for shocks in study.shocks.each():
         if (shocks.pulse.name, shocks.direction) == pushed:
-            return replace(study, device=device, shocks=shocks)
+            return replace(study, device=device).under(shocks)
     raise KeyError(pushed)
 
 

@@ -66,7 +66,7 @@ class RequiredShock(Shock):
         if self.snaps == ANY and not self.more and unbreakable:
             what = f"snaps: any of {self.name}"
             raise ValueError(f"device.strength: missing, for {what}; write one such as '1.2 GPa'")
-        replace(study, shocks=self.shocks)  # a force shakes no frame
+        study.under(self.shocks)  # a force shakes no frame
 
     def plain(self) -> dict[str, Any]:
         """All values but the shocks, which follow from `pulse`."""

@@ -1,7 +1,6 @@
 """Whether records that meet a shock response spectrum trip a device, and at which factor."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -34,7 +33,7 @@ def srs_test(
     *,
     records: Records = RECORDS,
     seed: Seed = SEED,
-    axes: Axes = MappingProxyType({}),
+    axes: Axes | None = None,
 ) -> xr.Dataset:
     """Follow a device under random records that meet a shock response spectrum of Q = 10.
 
@@ -77,7 +76,7 @@ def srs_test(
     study.require_frame("a shock response spectrum")
     if len(study.shocks.directions) > 1:
         raise ValueError("study.direction: has several; write one")
-    return trips_of(study, {**axes, "C": C}, points, {"records": records, "seed": seed})
+    return trips_of(study, {**(axes or {}), "C": C}, points, {"records": records, "seed": seed})
 
 
 def trips_of(

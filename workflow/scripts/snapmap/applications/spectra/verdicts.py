@@ -61,7 +61,7 @@ def check_spectrum(
     verdicts, drawn = [], {"records": records, "seed": SEED}
     for name, shaken in each_device(required.shaken(study), temperatures):
         for shocks in make_shocks(direction=required.direction).each():
-            verdicts += _of_spectrum(replace(shaken, shocks=shocks), required, name, C, drawn)
+            verdicts += _of_spectrum(shaken.under(shocks), required, name, C, drawn)
     return verdicts
 
 

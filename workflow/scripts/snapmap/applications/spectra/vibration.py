@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -51,7 +50,7 @@ def vibration(
     records: Records = RECORDS,
     seed: Seed = SEED,
     reach: Fraction = REACH,
-    axes: Axes = MappingProxyType({}),
+    axes: Axes | None = None,
 ) -> xr.Dataset:
     """Find how often Gaussian vibration snaps a device, and the level that it withstands.
 
@@ -99,7 +98,7 @@ def vibration(
     spectrum = Spectrum(psd)
     spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, {**axes, "C": C}, spectrum, drawn)
+    return vibration_of(study, {**(axes or {}), "C": C}, spectrum, drawn)
 
 
 def vibration_of(

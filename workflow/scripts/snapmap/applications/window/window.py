@@ -41,7 +41,7 @@ def window_of(
     for required in requirements:
         shaken, f0, under = required.shaken(study), required.f0, []
         for shocks in shaken.shocks.each():
-            single = replace(shaken, shocks=shocks)
+            single = shaken.under(shocks)
             pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
             if pulse not in thresholds:
                 surface = first_snaps(single, {**axes, "f0": [f0]})
