@@ -24,8 +24,8 @@ is its contract, in which every name is optional:
     run(study, ...) makes the product; takes NAME_path of its inputs and outputs, as rules do
     observe(model, cells, observed, settings)   floats that it adds to the cells of a cube, by name
     observing(model, cells, settings)   core time that `observe` takes for each cell, s
-    in_history(model, cells, settings)  attributes that it adds to the history of a cell
-    in_statics(device, first, displacement, force)  attributes that it adds to statics; first:
+    in_history(model, cells, settings)  numbers that it adds to the history of a cell
+    in_statics(device, first, displacement, force)  numbers that it adds to statics; first:
                     w(L/2) at rest, um
     in_datasheet(study, rows)   tables that it adds to a data sheet; rows: verdicts, worst first
     cost(study)     core time of its job, s, if `check` should tell it
