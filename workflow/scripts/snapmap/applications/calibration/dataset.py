@@ -90,7 +90,7 @@ def calibrate(
     A shot trips with probability Phi(ln(N / N_first) / spread). The Dataset holds `estimate`, `low`
     and `high` (95 % profile interval) over `unknown`, `correlation` over `unknown` and `unknown_2`,
     the relative `spread` over `bound`, and `threshold`, `probability` and `residual` over `shot`;
-    the attribute `model_error` is the relative error of interpolated thresholds.
+    `model_error` is the relative error of interpolated thresholds.
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
@@ -168,7 +168,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     }
     data |= {key: ("shot", values) for key, values in columns.items()}
     named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
-    return xr.Dataset(data, named, {"model_error": float(_rounded(surface.error.max()))})
+    return xr.Dataset(data | {"model_error": _rounded(surface.error.max())}, named)
 
 
 def _spreads(likelihood, surface, low, high, freedom):

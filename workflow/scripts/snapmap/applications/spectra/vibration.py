@@ -66,13 +66,13 @@ def vibration(
     options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
     The Dataset holds, over (..., C), `rate` and `probability` under this spectrum, with Poisson's
     bounds, and `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it
-    is NaN, from 0 to inf; if none snaps at any level, inf. The attribute `rms` is that of the
+    is NaN, from 0 to inf; if none snaps at any level, inf. `rms` is that of the
     spectrum (g).
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
     >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
-    >>> round(rates.rms), rates.snaps.values.tolist()
+    >>> round(rates.rms.item()), rates.snaps.values.tolist()
     (89, [0.0])
     """
     study, axes = study_of(device, model, options, C=C)
@@ -126,8 +126,8 @@ def vibration_of(
         key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
-    about = {"rms": rms, "record_length": length, **drawn}
-    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
+    columns |= {"rms": rms, "record_length": length}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **drawn)
 
 
 def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:
