@@ -76,7 +76,7 @@ def simulate(
 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
-    >>> run.outcome.flag_meanings.split()[run.outcome], round(run.t_snap.item())
+    >>> run.outcome.flag_meanings.split()[run.outcome.item()], round(run.t_snap.item())
     ('snapped', 365)
     """
     study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
