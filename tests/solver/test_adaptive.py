@@ -8,9 +8,9 @@ import snapmap
 from snapmap.solver.adaptive import DISPUTED, RUNGS, TOLERANCE, build_adaptive
 from snapmap.solver.cells import to_cells
 from snapmap.solver.outcome import SNAPPED
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
-SNAP = Settings(horizon=1500.0, until="snap", repeat=False)
+SNAP = Run(horizon=1500.0, until="snap", repeat=False)
 
 
 def own_map(device, C):

@@ -13,11 +13,11 @@ from snapmap.figures import style
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from studies import motion
 
-SETTINGS = Settings(horizon=300.0)
+SETTINGS = Run(horizon=300.0)
 ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
 
 
@@ -48,7 +48,7 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
     short, long = (snapmap.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
-    study = Study(device=device, model=model, settings=Settings(horizon=1500.0))
+    study = Study(device=device, model=model, settings=Run(horizon=1500.0))
     extremes = extremes_of(study, *shot)._asdict()
     assert extremes == {key: long[key].item() for key in extremes}
     assert all(short[key] <= long[key] for key in extremes)

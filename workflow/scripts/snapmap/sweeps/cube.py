@@ -79,8 +79,8 @@ def sweep(
             "fewer, or a config"
         )
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.settings.start)
-    values = follow_rows(built, rows_of(grid), grid.axes["N"], study.settings, observers)
+    built = choose_model(grid.device, study.model, study.run.start)
+    values = follow_rows(built, rows_of(grid), grid.axes["N"], study.run, observers)
     values = {key: column.reshape(grid.shape) for key, column in values.items()}
     return with_summary(as_cube(grid.axes, values, study.document()))
 

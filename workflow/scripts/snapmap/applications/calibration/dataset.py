@@ -13,11 +13,11 @@ from scipy.special import log_ndtr
 from ...device.argument import Argument, is_flag, is_list, is_path, mapping_of
 from ...device.checks import numbers
 from ...device.device import VALUES
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.axes import COORDINATES
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
@@ -112,7 +112,7 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     surface = surface_of(study, shots.groups, unknowns, C)
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
     asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
+    document = study.document(OF_THRESHOLDS) | {"calibration": asked}
     return dress("calibration", fit(shots, surface), document)
 
 

@@ -14,7 +14,7 @@ from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...solver.options import AutoOptions
 from ...study import arguments
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
@@ -97,7 +97,7 @@ def vibration_of(
     length, rms = spectrum.record_length(T), spectrum.rms
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
-    settings = study.settings._replace(horizon=0.0)
+    settings = study.run.but(horizon=0.0)
     first, _ = spectrum.record(length, [seed, 0])
     together = max(1, PIECES // len(first.pieces))
 
@@ -121,7 +121,7 @@ def vibration_of(
     data = _rates(ladder[0], T)
     data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
     section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
-    document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
+    document = study.document(OF_THRESHOLDS) | {"vibration": section}
     columns = {
         key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()

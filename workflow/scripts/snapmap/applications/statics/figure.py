@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...device.quantities import plain
+from ...files.text import plain
 from ...figures import style
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
