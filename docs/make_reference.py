@@ -145,9 +145,9 @@ def _variables() -> str:
     units = {}
     for key, about in variables("history").items():
         if key not in ("", "time"):
-            units.setdefault(about["units"], []).append(f"`{key}`")
+            units.setdefault(about.get("units", "a code"), []).append(f"`{key}`")
     listed = "; ".join(f"{', '.join(of)} ({unit})" for unit, of in units.items())
-    return f"Variables over `time` (us): {listed}."
+    return f"Variables over `time` (us), or without dimension: {listed}."
 
 
 def _signature(function: Callable) -> str:

@@ -12,6 +12,7 @@ import pytest
 from small_studies import TINY
 
 import snapmap
+from snapmap.solver.outcome import LATCHED, NEVER, RETURNED, SNAPPED
 
 pytestmark = pytest.mark.long
 
@@ -129,4 +130,4 @@ def test_with_all_extras_every_function_and_the_workflow_run(root, installed, tm
         assert done.returncode == 0, done.stderr
     assert (tmp_path / "results" / "explore.html").exists()
     cube = snapmap.open_cube(tmp_path / "results" / "cube.nc")
-    assert np.isin(cube.outcome, ["never", "latched", "returned", "snapped"]).all()
+    assert np.isin(cube.outcome, [NEVER, SNAPPED, LATCHED, RETURNED]).all()

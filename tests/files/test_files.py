@@ -12,11 +12,11 @@ from fnmatch import fnmatch
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import snapmap
 from snapmap.files.atomic import fingerprint, hold, refuse_others
 from snapmap.files.text import exact, is_showable, stem_of
-from snapmap.solver.outcome import OUTCOMES
 from snapmap.study.netcdf import write
 from snapmap.thresholds.summary import tidy
 
@@ -59,11 +59,12 @@ def cube(handout):
     return snapmap.sweep(handout, [800, 1000, 1300], [800, 1500], [25, 200], **CHEAP)
 
 
-def test_an_opened_cube_has_outcomes_in_words(cube, tmp_path):
+def test_an_opened_cube_is_that_of_sweep_and_of_the_file(cube, tmp_path):
     write(cube, tmp_path / "cube.nc")
     opened = snapmap.open_cube(tmp_path / "cube.nc")
-    np.testing.assert_array_equal(opened.outcome_code, cube.outcome)
-    assert (opened.outcome == np.array(OUTCOMES)[cube.outcome.values]).all()
+    with xr.open_dataset(tmp_path / "cube.nc") as file:
+        assert file.identical(opened) and opened.outcome.identical(cube.outcome)
+    assert file.outcome.dtype == opened.outcome.dtype == cube.outcome.dtype == np.int8
     with pytest.raises(ValueError, match=r"none\.nc' is not the path of a file"):
         snapmap.open_cube(tmp_path / "none.nc")
     whole = (tmp_path / "cube.nc").read_bytes()

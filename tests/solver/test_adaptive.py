@@ -7,6 +7,7 @@ from varied import varied
 import snapmap
 from snapmap.solver.adaptive import DISPUTED, RUNGS, TOLERANCE, build_adaptive
 from snapmap.solver.cells import to_cells
+from snapmap.solver.outcome import SNAPPED
 from snapmap.solver.settings import Run
 
 SNAP = Run(horizon=1500.0, until="snap", repeat=False)
@@ -107,4 +108,4 @@ def test_a_history_is_that_of_the_finest_level_and_as_a_sweep_says_of_its_cell(h
     finest = snapmap.simulate(handout, *shock, "cosines", modes=RUNGS[-1], horizon=100.0)
     assert run.t_snap == finest.t_snap and run.time_step == finest.time_step
     cube = snapmap.sweep(handout, *([value] for value in shock), horizon=100.0)
-    assert run.t_snap == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == "snapped"
+    assert run.t_snap == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == SNAPPED

@@ -155,7 +155,7 @@ def test_a_contact_has_an_energy_that_proves_or_has_not(handout, contact, gap, s
 def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     device, model, _ = double_well
     run = snapmap.simulate(device, 400, 500, 0.0, model=model, horizon=0.0)
-    assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == "snapped"
+    assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == SNAPPED
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all() and np.isnan(run.contact_energy).all()
     with pytest.raises(ValueError, match=r"model\.laws: work only with simulate, sweep, threshold"):

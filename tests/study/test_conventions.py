@@ -61,3 +61,13 @@ def test_a_cube_is_decoded_as_it_was_written(handout, files):
         for key in ("t_snap", "t_settled"):
             assert cube[key].attrs["units"] == "us" and cube[key].dtype == np.float64
         xr.testing.assert_equal(cube, snapmap.sweep(handout, cube.N, cube.f0, cube.C, **MODEL))
+
+
+def test_numbers_of_a_history_and_of_statics_are_variables_with_units(handout, files):
+    with xr.open_dataset(files / "history.nc") as run:
+        single = {key for key in run if not run[key].dims}
+        assert {"outcome", "t_snap", "stress_max", "barrier", "work_error"} <= single
+        assert run.outcome.attrs["flag_meanings"].split() == list(OUTCOMES[:ABSENT])
+        for made in (run, snapmap.statics(handout)):
+            assert all("units" in made[key].attrs for key in {*made} - {"outcome"})
+            assert all(isinstance(value, str) for value in made.attrs.values())

@@ -118,7 +118,7 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     alone = snapmap.sweep(device, [1000], **asked)
     run = snapmap.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
     for key in CLOSING:
-        assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run.attrs[key])
+        assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
     assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(device, [700], **asked)} == {*other}
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
     assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])

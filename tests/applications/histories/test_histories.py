@@ -12,7 +12,7 @@ from snapmap.applications.histories.history import SAFETY, extremes_of
 from snapmap.figures import style
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import REPEATED_STEP
+from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
 from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from studies import motion
@@ -50,14 +50,14 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     short, long = (snapmap.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
     study = Study(device=device, model=model, settings=Run(horizon=1500.0))
     extremes = extremes_of(study, *shot)._asdict()
-    assert extremes == {key: long.attrs[key] for key in extremes}
-    assert all(short.attrs[key] <= long.attrs[key] for key in extremes)
+    assert extremes == {key: long[key].item() for key in extremes}
+    assert all(short[key] <= long[key] for key in extremes)
     assert short.stress_max_to_snap == long.stress_max_to_snap
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     run = snapmap.simulate(device, *shot, model, horizon=200.0)
     moved = run.z_mass.values - device.beam.rise
     ways = max(0, -moved.min()), max(0, moved.max())
-    assert (run.toward_max, run.away_max) == pytest.approx(ways, rel=1e-12)
+    assert (run.toward_max.item(), run.away_max.item()) == pytest.approx(ways, rel=1e-12)
     assert run.contact_force_max == run.contact_force.max() and run.stress_max == run.stress.max()
     after = np.flatnonzero(run.w_mid <= run.second_equilibrium)[0]
     part = run.isel(time=slice(after - 1, after + 1))
@@ -108,15 +108,17 @@ def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, as
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     device = varied(handout, stop_away=30.0, damping=4e-3) if asked != REFERENCE else handout
     run = snapmap.simulate(device, N, f0, C, **asked)
-    assert run.outcome == outcome
-    back = run.attrs.get("first_equilibrium")
-    w, target = (run.w_mid, run.second_equilibrium) if back is None else (-run.w_mid, -back)
+    assert run.outcome == OUTCOMES.index(outcome)
+    back = run.get("first_equilibrium")
+    w, target = (
+        (run.w_mid, run.second_equilibrium.item()) if back is None else (-run.w_mid, -back.item())
+    )
     after = int(np.argmax(w.values <= target))
     assert np.isfinite(run.t_snap) == bool(after) == (outcome != "never")
     if after:
         ends = slice(after - 1, after + 1)
         own = np.interp(-target, -w[ends], run.time[ends])
-        assert run.t_snap == pytest.approx(own, abs=5e-3 * run.time_step)
+        assert run.t_snap == pytest.approx(own, abs=5e-3 * run.time_step.item())
     assert asked != REFERENCE or run.t_snap == pytest.approx(434.8857, abs=5e-5)
 
 
@@ -154,10 +156,11 @@ def make_history(*w_mid, t_snap=np.nan):
     """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
     w = np.array(w_mid, float)
     values = {"w_mid": w, "z_mass": w + 1, "contact_force": 0 * w, "acceleration": 0 * w + 0.02}
-    attributes = ATTRIBUTES | {"second_equilibrium": -9.0, "gravity": 1e-5}
-    attributes |= {"N": 1000.0, "f0": 1500.0, "C": 0.025, "t_snap": t_snap}
     variables = {key: ("time", column) for key, column in values.items()}
-    return xr.Dataset(variables, {"time": 10.0 * np.arange(w.size)}, attributes)
+    variables |= {"second_equilibrium": -9.0, "gravity": 1e-5, "t_snap": t_snap}
+    variables |= {"work_error": np.nan, "t_snap_error": np.nan}
+    axes = {"time": 10.0 * np.arange(w.size), "N": 1000.0, "f0": 1500.0, "C": 0.025}
+    return xr.Dataset(variables, axes, ATTRIBUTES)
 
 
 def curves_of(history):

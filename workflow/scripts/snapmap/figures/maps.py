@@ -13,7 +13,7 @@ from typing_extensions import TypeAliasType
 from ..config.points import Point
 from ..files.text import show
 from ..study.axes import axis_behind
-from ..sweeps.cube import outcome_names, require_cube
+from ..sweeps.cube import require_codes, require_cube
 from ..values.kinds import Fitting
 from ..values.quantities import Truth
 from . import plane, states, style
@@ -155,7 +155,7 @@ def plot_outcome(
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
-    outcome_names(cells.outcome.values)
+    require_codes(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"

@@ -109,7 +109,7 @@ def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) 
 
 def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     """Give the codes of a cube's outcomes; ValueError, one line with `name`, if it is no cube."""
-    codes = cube.get("outcome_code", cube.get("outcome"))
+    codes = cube.get("outcome")
     if codes is None or codes.dtype.kind not in "iuf":
         raise ValueError(f"{name}: is not a cube, as it has no codes of outcomes")
     if missing := {"long_name", "flag_meanings"} - codes.attrs.keys():
@@ -126,12 +126,11 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     return codes
 
 
-def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
-    """Give the name of each outcome by its code; ValueError, one line with `name`, for others."""
+def require_codes(codes: np.ndarray, name: str = "cube") -> None:
+    """Raise ValueError, one line with `name`, if a code is that of no outcome."""
     if wrong := sorted({*np.unique(codes).tolist()} - {*range(len(OUTCOMES))}):
         last = len(OUTCOMES) - 1
         raise ValueError(f"{name}: {wrong[0]} is not a code of an outcome; codes are 0 to {last}")
-    return np.array(OUTCOMES)[codes.astype(int)]
 
 
 def label_distance(model: Mapping) -> float | None:

@@ -190,7 +190,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     }
     data |= {key: ("shot", values) for key, values in columns.items()}
     named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
-    return xr.Dataset(data, named, {"model_error": float(_rounded(surface.error.max()))})
+    return xr.Dataset(data | {"model_error": _rounded(surface.error.max())}, named)
 
 
 def _spreads(likelihood, surface, low, high, freedom):

@@ -130,12 +130,15 @@ def _statics(device, verdicts, damper):
     path, beam = statics(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
-    yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
+    yield ["force that snaps the beam", f"{path.largest_force.item():.5g} uN"]
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
-    if "hold_force" in path.attrs:
-        yield [f"force on the electrode at {path.contact_at:g} um", f"{path.hold_force:.5g} uN"]
+    if "hold_force" in path:
+        yield [
+            f"force on the electrode at {path.contact_at.item():g} um",
+            f"{path.hold_force.item():.5g} uN",
+        ]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"

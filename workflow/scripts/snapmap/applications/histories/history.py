@@ -19,7 +19,7 @@ from ...solver.cells import Cells, to_cells
 from ...solver.cost import steps_and_seconds, tell
 from ...solver.models import Model
 from ...solver.options import section_of
-from ...solver.outcome import OUTCOMES, label
+from ...solver.outcome import label
 from ...solver.settings import FIRST, Run
 from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
@@ -49,8 +49,9 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
     Of the model `auto` the finest level follows; `energy_tolerance` only sets the time step.
-    All attributes are of the motion shown, in its steps, shorter than those of a sweep: `outcome`
-    (a word), `t_snap` (us, NaN without a snap), `blow`, the closures of an electrode; the largest
+    Variables without dimension are of the motion shown, in its steps, shorter than those of a
+    sweep: `outcome` (a code, as in a cube), `t_snap` (us, NaN without a snap), `blow`, the closures
+    of an electrode; the largest
     `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
     `stress_max`, `stress_max_to_snap` (MPa). The errors that the time step makes, `work_error`
     (relative) and `t_snap_error` (us), are SAFETY times the spread of runs in 1, 3/4 and 1/2 of it.
@@ -58,7 +59,7 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
     >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
-    >>> run.outcome, round(run.t_snap)
+    >>> snapmap.words(run.outcome).item(), round(run.t_snap.item())
     ('snapped', 365)
     """
     return history_of(study, N, study.shocks.own_frequency() if f0 is None else f0, C)
@@ -86,23 +87,20 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     if cells.pulses[0].blows.size:
         optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
     optional |= merge(lambda part: part.in_history(built, cells, settings))
-    return dress(
-        "history",
-        xr.Dataset({key: ("time", column) for key, column in values.items()}),
-        document,
-        N=N,
-        f0=f0,
-        C=C,
-        second_equilibrium=built.barrier.second,
-        barrier=built.barrier.energy,
-        gravity=device.gravity,
-        time_step=dt,
-        outcome=OUTCOMES[outcome],
-        t_snap=observed.t_snap.item(),
+    single = {
+        "second_equilibrium": built.barrier.second,
+        "barrier": built.barrier.energy,
+        "gravity": device.gravity,
+        "time_step": dt,
+        "outcome": np.int8(outcome),
+        "t_snap": observed.t_snap.item(),
         **extremes._asdict(),
         **optional,
         **{key: error.item() for key, error in errors_of(built, cells, settings).items()},
-    )
+    }
+    curves = {key: ("time", column) for key, column in values.items()}
+    shock = {"N": float(N), "f0": float(f0), "C": float(C)}
+    return dress("history", xr.Dataset(curves | single, shock), document)
 
 
 class Extremes(NamedTuple):

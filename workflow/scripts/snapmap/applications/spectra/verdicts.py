@@ -35,7 +35,7 @@ def check_vibration(
         drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": T}
         rates = vibration_of(shaken, {"C": C}, Spectrum(required.psd), drawn)
         place = {"device": name, "temperature": shaken.device.temperature, "shape": "random"}
-        place |= {"direction": "both", "N": rates.rms, "duration": 1e3 * T}
+        place |= {"direction": "both", "N": rates.rms.item(), "duration": 1e3 * T}
         keys = "snaps", "level_low", "level_high", "level"
         columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):

@@ -91,7 +91,7 @@ def vibration(
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study, psd = snapmap.Study(device, model="cosines"), [(20, 4.0), (2000, 4.0)]
     >>> rates = snapmap.vibration(study, psd, 0.1, 25, records=2, reach=0.5)
-    >>> round(float(rates.rms)), rates.snaps.values.tolist()
+    >>> round(rates.rms.item()), rates.snaps.values.tolist()
     (89, [0.0])
     """
     study.require_frame("random vibration")
@@ -144,8 +144,8 @@ def vibration_of(
         key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
-    about = {"rms": rms, "record_length": length, **drawn}
-    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
+    columns |= {"rms": rms, "record_length": length}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **drawn)
 
 
 def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:

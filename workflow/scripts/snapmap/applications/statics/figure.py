@@ -37,7 +37,7 @@ def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
     least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
     for force, symbol, end, offset, side in (largest, least):
         ax.axhline(force, **PEAK)
-        words = f"${symbol}$ = {plain(force)} µN".replace("-", "−")
+        words = f"${symbol}$ = {plain(force.item())} µN".replace("-", "−")
         ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
     ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
@@ -51,10 +51,10 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     """
     taken = statics.isel(branch=0).sortby("displacement")
     second = np.interp(statics.rise - statics.second_equilibrium, taken.displacement, taken.energy)
-    _draw_branches(ax, statics, statics.energy, [0, statics.barrier, second])
+    _draw_branches(ax, statics, statics.energy, [0, statics.barrier.item(), second])
     ax.set_ylabel("energy of the beam (pJ)")
     if statics.barrier:
-        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier)} pJ"
+        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier.item())} pJ"
         ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
     return ax
 

@@ -40,13 +40,13 @@ def statics(study: SingleStudy) -> xr.Dataset:
     - `unbranched`: the second mode suppressed (not physical)
     - `tilted`: a beam free to tilt, with its imperfection
 
-    Attributes of the beam's own path: `largest_force` and `least_force` between the shapes (uN;
-    above 0 the beam returns by itself), w(L/2) of both shapes and the saddle (`rise`,
+    Without dimension, of the beam's own path: `largest_force` and `least_force` between the shapes
+    (uN; above 0 the beam returns by itself), w(L/2) of both shapes and the saddle (`rise`,
     `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0 without a second
     stable shape), and `hold_force` (uN) on an electrode.
 
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
-    >>> round(path.largest_force, 2), round(path.least_force, 2)
+    >>> round(path.largest_force.item(), 2), round(path.least_force.item(), 2)
     (70.67, -32.54)
     """
     device = study.device
@@ -65,18 +65,17 @@ def statics(study: SingleStudy) -> xr.Dataset:
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
     data = {key: (("branch", "point"), column) for key, column in values.items()}
-    return dress(
-        "statics",
-        xr.Dataset(data, {"branch": list(branches)}),
-        device_sections(device),
-        rise=first,
-        second_equilibrium=barrier.second,
-        saddle=first + barrier.midpoint,
-        barrier=barrier.energy,
-        largest_force=float(force[: 2 * POINTS].max()),
-        least_force=float(force[POINTS:].min()),
+    data |= {
+        "rise": first,
+        "second_equilibrium": barrier.second,
+        "saddle": first + barrier.midpoint,
+        "barrier": barrier.energy,
+        "largest_force": force[: 2 * POINTS].max(),
+        "least_force": force[POINTS:].min(),
         **merge(lambda part: part.in_statics(device, first, w, force)),
-    )
+    }
+    path = xr.Dataset(data, {"branch": list(branches)})
+    return dress("statics", path, device_sections(device))
 
 
 def _symmetric_paths(beam, modes, tilts):
