@@ -23,6 +23,7 @@ import snapmap
 from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.corners import read_verdicts
+from snapmap.applications.spectra.required import RequiredVibration
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.numerics.statistics import percents
@@ -88,9 +89,10 @@ def test_the_demands_of_the_recipe_are_read(root, sensor):
     device = whole["device"] | asked["device"]
     study = load_config(whole | {"device": device, "requirements": asked["requirements"]})
     assert study.device.stop_away == 8.0
-    assert [shock["snaps"] for shock in shocks_of(study)] == [True, False, False, False]
-    values = [required.values for required in study.requests["requirements"]]
-    assert [each["duration"] for each in values if "psd" in each] == [180.0]
+    assert [shock.snaps for shock in shocks_of(study)] == [True, False, False, False]
+    required = study.requests["requirements"]
+    durations = [each.duration for each in required if isinstance(each, RequiredVibration)]
+    assert durations == [180.0]
 
 
 def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):

@@ -282,7 +282,7 @@ def test_a_fault_between_keys_is_one_line_that_names_one(key, document):
 def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
     def required(pulse, **keys):
         study = load_config(changed(pulse=pulse, requirements=[BLOW | keys]))
-        return [*requirements.shocks_of(study)[0]["shocks"].each()]
+        return [*requirements.shocks_of(study)[0].shocks.each()]
 
     def under(pulse, **keys):
         return [(shock.pulse.name, shock.direction) for shock in required(pulse, **keys)]

@@ -57,7 +57,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     study = load_config(changed(DOCUMENT, device__beam__shape={"file": "shape.csv"}))
     hashes = {path.name: hashlib.sha256(path.read_bytes()) for path in folder.glob("*.csv")}
     assert study.files() == {name: held.hexdigest() for name, held in hashes.items()}
-    for pulse in (study.pulse, shocks_of(study)[0]["pulse"]):
+    for pulse in (study.pulse, shocks_of(study)[0].pulse):
         assert pulse["sha256"] == study.files()["shock.csv"]
 
 

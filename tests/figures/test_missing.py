@@ -20,20 +20,12 @@ from snapmap.applications.window.window import window_of
 from snapmap.figures import maps, style, thresholds
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.settings import Settings
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 MODEL = {"model": "cosines", "modes": 3}
 SHORT = MODEL | {"horizon": 100.0}
-REQUIRED = [
-    {
-        "name": "crash",
-        "N": 2000.0,
-        "f0": 1500.0,
-        "snaps": True,
-        "survives": 0.9,
-        "shocks": make_shocks(),
-    }
-]
+REQUIRED = {"name": "crash", "N": 2000.0, "f0": 1500.0, "snaps": True, "survives": 0.9}
 SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
 ROW = {"requirement": "crash", "must_snap": True, "verdict": "failed", "start": "first"}
 ROW |= {"device": "", "shape": "sine", "direction": "+z", "temperature": 20.0, "C": 25.0}
@@ -54,7 +46,7 @@ def made(handout):
         [25.0],
         samples=4,
         index_samples=4,
-        requirements=REQUIRED,
+        requirements=[REQUIRED],
         **SHORT,
     )
     edges = snapmap.threshold(handout, **axes, **MODEL)
@@ -70,7 +62,9 @@ def made(handout):
         ),
         "verdicts": VERDICTS,
         "window": window_of(
-            study, {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}, REQUIRED
+            study,
+            {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]},
+            [Shock(**REQUIRED, shocks=make_shocks())],
         ),
     }
 

@@ -21,6 +21,7 @@ from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 BACK = {"start": "second", "direction": "-z"}
@@ -124,7 +125,7 @@ def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout
     assert "start" not in json.loads(there.attrs["config"])["sweep"]
     shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": "arrives", "N": 45.0}
     study = Study(device=device, model={"name": "cosines", "modes": 3})
-    asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]
+    asked = [Shock(name=name, start=name, **shock) for name in ("first", "second")]
     assert [line.verdict for line in check(study, asked, [0.0])] == ["failed", "met"]
 
 
@@ -147,7 +148,7 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
     shock = {"N": 1000, "f0": "2 kHz", "snaps": True}
     whole["requirements"] = [{"name": "a", **shock, "start": "second"}, {"name": "b", **shock}]
-    assert [shock.get("start") for shock in shocks_of(load_config(whole))] == ["second", None]
+    assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
     whole["sweep"]["start"] = "second"
     study = load_config(whole)
     assert study.settings.start == study.of_thresholds().settings.start == "second"

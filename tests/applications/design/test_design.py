@@ -8,7 +8,7 @@ import pytest
 import snapmap
 from snapmap.applications.design.design import remedy
 from snapmap.pulse.shocks import make_shocks
-from snapmap.study.study import with_shocks
+from snapmap.study.shock import Shock, take_shock
 from snapmap.thresholds.population import thresholds_at
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
@@ -34,7 +34,7 @@ def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, va
 @pytest.mark.parametrize(("N", "snaps"), [(1300.0, False), (800.0, True)])
 def test_each_remedy_brings_the_threshold_to_its_side(handout, study, N, snaps):
     """With the mass, the spring or the beam as the line says, to a percent."""
-    goal = {"N": N, "f0": 1000.0, "snaps": snaps, "shocks": study.shocks}
+    goal = Shock(name="", N=N, f0=1000.0, snaps=snaps, shocks=study.shocks)
     first = snapmap.threshold(handout, [1000.0], [25.0], **CHEAP).N_first.item()
     values = {"thickness": handout.beam.thickness, "mass": handout.mass, "spring": handout.spring}
     changes = remedy(study, goal, 25.0, first)
@@ -111,7 +111,7 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
         ({}, ["half sine", "sawtooth"], ("-z",)),
         (named, ["trapezoid", "trapezoid"], ("+z", "-z")),
     ):
-        required = with_shocks(asked | more, shocks)["shocks"]
+        required = take_shock(asked | more, shocks).shocks
         assert [each.pulse.name for each in required.each()] == names
         assert required.directions == directions
     record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}

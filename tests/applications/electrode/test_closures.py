@@ -171,6 +171,8 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
     blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
-    judged, beside = judge_closing(blank, closing, required)
+    judged, beside = judge_closing(blank, closing, **required)
     assert judged.verdict == verdict and len(beside) == len(closing) + len(required)
-    assert judge_closing(blank._replace(verdict="failed"), closing, required)[0].verdict == "failed"
+    assert (
+        judge_closing(blank._replace(verdict="failed"), closing, **required)[0].verdict == "failed"
+    )

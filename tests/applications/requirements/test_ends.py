@@ -21,6 +21,7 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
 from snapmap.solver.settings import Settings
 from snapmap.study.axes import rows_of
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 F0, C, HORIZON = 8000.0, 25.0, 4000.0
@@ -39,7 +40,7 @@ def stiff(handout, damping):
 def judged(study, *levels, f0=F0, snaps=True):
     """The verdicts on half sines of so many N."""
     shock = {"f0": f0, "snaps": snaps, "shocks": make_shocks("half sine")}
-    return check(study, [shock | {"name": f"{N:g}", "N": N} for N in levels], [C], 1e-3)
+    return check(study, [Shock(name=f"{N:g}", N=N, **shock) for N in levels], [C], 1e-3)
 
 
 @pytest.mark.parametrize("damping", ENDS)
@@ -86,7 +87,7 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     study = Study(device=varied(handout, damping=0.03), model={"name": "cosines", "modes": 3})
     shock = {"name": "reset", "f0": 2000.0, "snaps": True, "start": "second", "N": 60_000.0}
     shock["shocks"] = make_shocks("half sine", "-z")
-    light, damped = check(study, [shock], [25.0, 3000.0], 1e-3)
+    light, damped = check(study, [Shock(**shock)], [25.0, 3000.0], 1e-3)
     assert (light.end, light.verdict) == ("arrives and returns", "failed")
     assert (damped.end, damped.verdict) == ("stays", "met")
 
@@ -125,4 +126,4 @@ def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
         crash | {"name": "closes", "closes_within": "1 ms"},
         crash | {"name": "trips"},
     ]
-    assert [shock["snaps"] for shock in shocks_of(load_config(document))] == ["arrives", True]
+    assert [shock.snaps for shock in shocks_of(load_config(document))] == ["arrives", True]

@@ -19,6 +19,7 @@ from snapmap.applications.requirements.verdicts import hint, write_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 
@@ -31,7 +32,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
     amounts["above"] = 1.01 * first
     pulse = {"shocks": make_shocks(record), "f0": 2000.0}
     asked = [
-        {"name": f"{name} {must}", "N": N, "snaps": must, **pulse}
+        Shock(name=f"{name} {must}", N=N, snaps=must, **pulse)
         for name, N in amounts.items()
         for must in (True, False)
     ]
@@ -56,8 +57,8 @@ def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study
     row = snapmap.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
     gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
     assert row.ragged and gap > 0
-    required = {"name": "ragged", "N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0}
-    (verdict,) = check(study, [required | {"snaps": True, "shocks": study.shocks}], [0.025])
+    ragged = {"N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0, "shocks": study.shocks}
+    (verdict,) = check(study, [Shock(name="ragged", snaps=True, **ragged)], [0.025])
     assert verdict.verdict == "unclear"
 
 
@@ -68,9 +69,9 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
     thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
-    required = {"name": "launch", "N": N, "snaps": "arrives", "f0": 2000.0}
-    required["shocks"] = make_shocks(*shapes.values())
-    needs = [required, required | {"name": "set back", "snaps": "any"}]
+    shocks = make_shocks(*shapes.values())
+    required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)
+    needs = [required, replace(required, name="set back", snaps="any")]
     verdicts = check(replace(study, device=device), needs, [25.0], temperatures=degrees)
     launch, back = verdicts[:8], verdicts[8:]
     places = [(v.temperature, v.shape, v.direction) for v in launch]
@@ -137,9 +138,9 @@ def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, doc
     study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
     N_first = snapmap.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
     light, damped = N_first.values.ravel()
-    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
-    trips = RequiredShock(shock | {"name": "trips", "N": 0.97 * damped, "snaps": True})
-    stays = RequiredShock(shock | {"name": "stays", "N": 0.97 * light, "snaps": False})
+    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999, "pulse": {}}
+    trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)
+    stays = RequiredShock(name="stays", N=0.97 * light, snaps=False, **shock)
     needs = [trips, stays]
     verdicts = [verdict for need in needs for verdict, _ in need.check(study, dampers)]
     wrong, _ = worst(verdicts)

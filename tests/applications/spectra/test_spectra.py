@@ -9,6 +9,7 @@ from scipy.signal import lsim
 
 import snapmap
 from snapmap.applications.spectra.psd import Spectrum
+from snapmap.applications.spectra.required import RequiredSpectrum
 from snapmap.applications.spectra.srs import (
     BAND,
     check_points,
@@ -18,7 +19,7 @@ from snapmap.applications.spectra.srs import (
     response,
 )
 from snapmap.applications.spectra.trips import FACTORS, ends
-from snapmap.applications.spectra.verdicts import check_spectra
+from snapmap.applications.spectra.verdicts import check_spectrum
 from snapmap.applications.spectra.vibration import _level, fit_rates
 from snapmap.solver.settings import Settings
 
@@ -100,18 +101,19 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
     snaps = trips.snaps.values[0].sum(axis=0)
     first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)
     asked = [
-        {"name": f"{by:g}", "srs": np.array(levels) * [1, by], "direction": "+z", "snaps": must}
+        RequiredSpectrum(f"{by:g}", must, np.array(levels) * [1, by], "+z")
         for by in (1.0, 0.25, 4.0)
         for must in (False, True)
     ]
-    rows = check_spectra(study, asked, [25.0], records=2)
+    rows = [row for one in asked for row in check_spectrum(study, one, [25.0], records=2)]
     for row, end in zip(rows, (first, last + 1), strict=False):
         bar = row.N_first - row.N_error, row.N_first + row.N_error
         assert bar == (FACTORS[end - 1], FACTORS[end])
         assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
-    both = check_spectra(study, [asked[0] | {"direction": "both"}], [25.0], [20.0], records=2)
+    both = replace(asked[0], direction="both")
+    both = check_spectrum(study, both, [25.0], [20.0], records=2)
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
     assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
 

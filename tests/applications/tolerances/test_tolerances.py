@@ -30,6 +30,7 @@ from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Settings
+from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
@@ -221,7 +222,7 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
 def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     """At four times the threshold all arrive, and as many stay as of the devices one by one."""
     light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
-    shock = {"N": 5600.0, "f0": 2000.0, "shocks": make_shocks("half sine")}
+    shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
     musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
     asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
     how, rows = {"model": "cosines", "modes": 3, "horizon": 4000.0}, ([2000.0], [25.0])
@@ -246,11 +247,11 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
-    needs = [common | {"name": name, "snaps": must} for name, must in musts.items()]
+    needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
     met = tolerances_of(replace(study, device=device), axes | {"temperature": degrees}, made, needs)
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
-        single = [required | {"shocks": shocks} for required in needs[:2]]
+        single = [replace(required, shocks=shocks) for required in needs[:2]]
         corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
         corners.append(corner.N_first_required.squeeze("C").values)
     most, least = np.max(corners, axis=0)[0], np.min(corners, axis=0)[1]

@@ -5,12 +5,10 @@ from dataclasses import dataclass, field, replace
 
 from ..device.device import VALUES, Device
 from ..pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
-from ..solver.settings import FIRST, Settings, settings_of
+from ..solver.settings import Settings, settings_of
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
-PUSH = ("pulse", "direction")
-"""Arguments of `make_shocks`."""
 ANY, ARRIVES = "any", "arrives"
 """Values of `snaps` of a required shock that may or may not snap the device, and of one under which
 the beam must arrive at its other shape, but need not stay there."""
@@ -90,34 +88,13 @@ def study_of(
     def take(names):
         return {key: options.pop(key) for key in [*options] if key in names}
 
-    shocks, settings = make_shocks(**take(PUSH)), settings_of(take(Settings._fields))
+    shocks, settings = (
+        make_shocks(**take(("pulse", "direction"))),
+        settings_of(take(Settings._fields)),
+    )
     skip, axes = options.pop("skip", False), take(VALUES)
     if "f0" in shock and shock["f0"] is None:
         shock["f0"] = shocks.own_frequency()
     axes |= {key: values for key, values in shock.items() if values is not None}
     model = ({"name": model} if isinstance(model, str) else dict(model)) | options
     return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
-
-
-def of_requirement(study: Study, required: Mapping) -> Study:
-    """Give the study of a requirement's own shock and start, by default the first shape."""
-    settings = study.settings._replace(start=required.get("start", FIRST))
-    return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
-
-
-def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
-    """Add `shocks` to a requirement, by its pulse and direction, or else those of the study.
-
-    Raises ValueError, one line, if the requirement needs the pulse of a study whose pulse sets its
-    own duration.
-    """
-    if "shocks" in requirement:
-        return dict(requirement)
-    push = {"pulse": shocks.pulse, "direction": shocks.direction}
-    if "pulse" not in requirement and any(pulse.duration for pulse in shocks.shapes.values()):
-        raise ValueError(
-            f"requirements: {requirement['name']}: pulse: missing, as the study's pulse sets its "
-            "own duration; write a shape such as 'half sine'"
-        )
-    push |= {key: requirement[key] for key in PUSH if key in requirement}
-    return requirement | {"shocks": make_shocks(**push)}

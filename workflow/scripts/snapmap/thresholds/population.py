@@ -19,7 +19,8 @@ from ..solver.models import Follows
 from ..solver.motion import largest_stress
 from ..solver.outcome import LATCHED, label, side_at_end
 from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..study.study import ANY, Study, of_requirement
+from ..study.shock import Shock
+from ..study.study import ANY, Study
 from .cost import tell_cost
 from .regression import nominal_thresholds, thresholds_of_samples
 from .search import asker, refine
@@ -115,24 +116,24 @@ class Batch:
                 N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
 
-    def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
+    def meets(self, required: Shock, rows: Rows, settings: Settings) -> np.ndarray:
         """Tell whether each sample meets a requirement in each row, (samples, rows).
 
         A sample that must trip is followed to the end, to see whether it stays.
         """
-        if required["snaps"] == ANY:
+        if required.snaps == ANY:
             return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)[:, np.newaxis]
+            levels = np.repeat(required.N * self.factors["N"], rows.f0.size)[:, np.newaxis]
             every = self._rows(rows)
             met = np.isfinite(asker(self.model, every, settings)(levels))
-            if required["snaps"] is True:
+            if required.snaps is True:
                 cells = every.cells(self.model.device, levels, settings.horizon)
                 runs = self.model.follow(cells.take(met), settings._replace(until="settled"))
                 met[met] = side_at_end(runs, settings.energy_tolerance) == 2
             snaps[self.bistable] = met.reshape(self.size, -1)
-        return (snaps == bool(required["snaps"])) & self.bistable[:, np.newaxis]
+        return (snaps == bool(required.snaps)) & self.bistable[:, np.newaxis]
 
     def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
         """Count how many of the first samples latch, (rows, N)."""
@@ -145,19 +146,16 @@ class Batch:
             count += label(*runs[:4], settings.energy_tolerance) == LATCHED
         return count
 
-    def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
-        """Find the largest stress, MPa, in the first bistable samples, (requirements, samples, C).
-
-        requirements: each has shocks, N and f0 (Hz)
-        """
+    def stresses(self, study: Study, requirements: Sequence[Shock], C: np.ndarray) -> np.ndarray:
+        """Find the largest stress, MPa, in the first bistable samples, (shocks, samples, C)."""
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
         device, stress = self.model.device.pick(np.arange(size)), []
         N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
         for required in requirements:
-            part = of_requirement(study, required)
-            rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
-            rows = rows.take(slice(N.size))
-            cells = rows.cells(device, required["N"] * N, part.settings.horizon).flat()
+            part = required.shaken(study)
+            rows = to_rows(0, required.f0, C, 0, required.shocks.pulses)
+            rows = self._rows(rows).take(slice(N.size))
+            cells = rows.cells(device, required.N * N, part.settings.horizon).flat()
             largest = largest_stress(device, part.model, cells, part.settings)
             stress.append(largest.reshape(size, len(C)))
         return np.array(stress)

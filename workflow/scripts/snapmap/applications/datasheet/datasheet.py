@@ -17,6 +17,7 @@ from ...numerics.statistics import percents, scope
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
 from ...study.provenance import code_date, code_version, config_hash
+from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
 from .. import attached
@@ -42,7 +43,7 @@ def datasheet(
     study: Study,
     verdicts: Sequence[Mapping],
     written: Mapping[str, Mapping],
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     title: str = "",
     damper: tuple[str, float] = DAMPER,
@@ -52,7 +53,6 @@ def datasheet(
 
     verdicts: rows of requirements.csv
     written: sections of the devices by their names, with units, as the config has them
-    requirements: mappings of name, shocks, N and f0 (Hz) of the required shocks
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
     source: the config, whose hash, axes and tolerances stand on the sheets; None for none
@@ -208,7 +208,7 @@ def _largest(study, requirements, verdicts, size):
 
     size: of the unit of C in the verdicts, uN us/um
     """
-    by_name = {required["name"]: required for required in requirements}
+    by_name = {required.name: required for required in requirements}
     shocks = [row for row in verdicts if row["requirement"] in by_name]
     stops = {"toward_max": study.device.stop_toward, "away_max": study.device.stop_away}
     free = [key for key, stop in stops.items() if np.isinf(stop)]
@@ -218,7 +218,7 @@ def _largest(study, requirements, verdicts, size):
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = by_name[worst["requirement"]]
         under = at_corner(study, shock, worst)
-        again = extremes_of(under, shock["N"], shock["f0"], worst["C"] * size, step=REPEATED_STEP)
+        again = extremes_of(under, shock.N, shock.f0, worst["C"] * size, step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, {corner_text(worst)}"
         is_outside = key in free and value > FARTHEST * study.device.beam.height

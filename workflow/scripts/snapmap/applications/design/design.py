@@ -1,7 +1,7 @@
 """Design: the value of a device that gives a threshold or meets requirements."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, NamedTuple, Unpack
@@ -18,7 +18,8 @@ from ...pulse.shocks import Shocks
 from ...solver.options import AutoOptions
 from ...study import arguments
 from ...study.axes import COORDINATES
-from ...study.study import ANY, Study, study_of, with_shocks
+from ...study.shock import Shock, take_shock
+from ...study.study import ANY, Study, study_of
 from ...thresholds.population import thresholds_at
 from ...thresholds.search import near
 
@@ -100,16 +101,17 @@ def design(
     2.1
     """
     study, _ = study_of(device, model, options)
-    required = _single_shocks(with_shocks(goal, study.shocks) for goal in requirements)
-    goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
-    shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
+    start = study.settings.start
+    required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that design searches; leave it out")
     for key, argument in shock.items():
         if argument is None:
             need = argument_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
-    if any(len(goal["shocks"].pulses) > 1 for goal in goals):
+    goals = required or [Shock(name="", N=N, f0=f0, shocks=study.shocks, snaps=True, start=start)]
+    if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
@@ -131,13 +133,13 @@ def _single_shocks(requirements):
     """Split requirements into one for each shock; of several shocks the name tells which."""
     singles = []
     for required in requirements:
-        if required["snaps"] == ANY:
-            line = f"{required['name']}: snaps: any has no threshold; write true or false"
+        if required.snaps == ANY:
+            line = f"{required.name}: snaps: any has no threshold; write true or false"
             raise ValueError(f"requirements: {line}")
-        several = required["shocks"].each()
+        several = required.shocks.each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
-            singles.append(required | {"name": f"{required['name']}{where}", "shocks": shocks})
+            singles.append(replace(required, name=required.name + where, shocks=shocks))
     return singles
 
 
@@ -146,22 +148,22 @@ def with_value(device: Device, value: str, number: float) -> Device:
     return batch([device]).vary({value: np.array([number])}).pick(0)
 
 
-def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[str, str, float]]:
+def remedy(study: Study, goal: Shock, C: float, N_first: float) -> list[tuple[str, str, float]]:
     """Find changes of one value that bring a threshold to the right side of a required N.
 
-    study: of one device and shock; goal: as in `requirements`; N_first: the device's threshold
+    study: of one device, under the shock; N_first: the device's threshold
     Returns words, name and number of each change that works, as a simulation confirms; secants of
     logarithms find them.
     """
     nominal = {key: nominal_value(study.device, key) for key in CHANGED}
     nominal = {key: value for key, value in nominal.items() if value > 0}
-    way = -1 if goal["snaps"] else 1
-    N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
+    way = -1 if goal.snaps else 1
+    N, shift = np.log(goal.N) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
     for _ in range(STEPS):
         factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
         values = {key: nominal[key] * row for key, row in zip(nominal, factors, strict=True)}
-        first, error, _ = thresholds_at(study, values, goal["f0"], C)
-        met = way * (first - goal["N"]) > error
+        first, error, _ = thresholds_at(study, values, goal.f0, C)
+        met = way * (first - goal.N) > error
         if met.all():
             break
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -182,10 +184,11 @@ def _threshold_finder(study, value, C, goals) -> Callable:
     It returns N_first, its error, and whether the goal is met, (n, m). Axes of a grid that the
     values form speed it up, as in `thresholds_at`.
     """
-    pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
+    pulses = {str(i): goal.shocks.pulses[0] for i, goal in enumerate(goals)}
     study = replace(study, shocks=Shocks(pulses))
-    N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
-    starts = np.array([goal.get("start", study.settings.start) for goal in goals])
+    N, f0 = np.array([goal.N for goal in goals]), np.array([goal.f0 for goal in goals])
+    snaps = np.array([goal.snaps for goal in goals])
+    starts = np.array([goal.start for goal in goals])
 
     def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
@@ -273,7 +276,7 @@ def _single(value, N, grid, N_first, values, errors):
 
 def _windows(look, value, grid, goals, N_first, error, met):
     """The windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
-    names, N, all_met = [goal["name"] for goal in goals], [goal["N"] for goal in goals], met.all(0)
+    names, N, all_met = [goal.name for goal in goals], [goal.N for goal in goals], met.all(0)
     ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
     places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")

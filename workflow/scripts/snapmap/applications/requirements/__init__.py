@@ -9,26 +9,27 @@ from ..application import Application, Figures, Files, Mark
 
 if TYPE_CHECKING:
     from ...config.study import Config
+    from .required import RequiredShock
 
 
-def shocks_of(study):
-    """The required shocks of a study as mappings of name, shocks, N, f0 (Hz), snaps, survives."""
+def shocks_of(study: Config) -> list[RequiredShock]:
+    """The required shocks of a study."""
+    from .required import RequiredShock
+
     required = study.requests.get("requirements", ())
-    return [requirement.values for requirement in required if "shocks" in requirement.values]
+    return [shock for shock in required if isinstance(shock, RequiredShock)]
 
 
-def plain_shocks(study):
+def plain_shocks(study: Config) -> list[dict[str, Any]]:
     """The required shocks of a study in plain values, on which results depend."""
-    required = study.requests.get("requirements", ())
-    return [requirement.plain() for requirement in required if "shocks" in requirement.values]
+    return [shock.plain() for shock in shocks_of(study)]
 
 
-def left_out(study):
+def left_out(study: Config) -> list[str]:
     """Names of what a yield leaves out: vibration, spectra, and closings that shocks demand."""
-    required = study.requests.get("requirements", ())
-    names = [other.values["name"] for other in required if "shocks" not in other.values]
-    demanding = [shock for shock in required if "shocks" in shock.values and shock.more]
-    return names + [f"the {shock.more} of {shock.values['name']}" for shock in demanding]
+    shocks = shocks_of(study)
+    others = [other.name for other in study.requests.get("requirements", ()) if other not in shocks]
+    return others + [f"the {shock.more} of {shock.name}" for shock in shocks if shock.more]
 
 
 class Requirements(Application):
@@ -57,25 +58,22 @@ class Requirements(Application):
 
     def files(self, study: Config) -> Mapping[str, str]:
         """Recorded shocks among the requirements."""
-        pulses = [required["pulse"] for required in shocks_of(study)]
+        pulses = [shock.pulse for shock in shocks_of(study)]
         return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
 
     def doubts(self, study: Config) -> list[str]:
         """Lines about amplitudes that are hardly meant."""
         from ...config.plausible import unusual_runs
 
-        return unusual_runs(N=[required["N"] for required in shocks_of(study)])
+        return unusual_runs(N=[shock.N for shock in shocks_of(study)])
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""
-        from ...solver.settings import FIRST
-
         marks = []
-        for required in shocks_of(study):
-            start = required.get("start", FIRST)
-            shocks = required["shocks"].each()
-            pushed = [(shock.pulse.section, shock.direction, start) for shock in shocks]
-            marks.append(Mark(required["name"], required["f0"], required["N"], pushed))
+        for shock in shocks_of(study):
+            each = shock.shocks.each()
+            pushed = [(single.pulse.section, single.direction, shock.start) for single in each]
+            marks.append(Mark(shock.name, shock.f0, shock.N, pushed))
         return marks
 
     def cost(self, study: Config) -> float:

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...device.quantities import plain
 from ...solver.settings import FIRST
-from ...study.study import ANY, SNAPS, Study, of_requirement
+from ...study.shock import Shock
+from ...study.study import ANY, SNAPS, Study
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "ends differ"
@@ -78,16 +79,16 @@ def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
     return [sorted(group, key=badness, reverse=True) for group in groups.values()]
 
 
-def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
+def at_corner(study: Study, required: Shock, corner: Mapping) -> Study:
     """Narrow a study to a requirement at the device, temperature, shape and direction of a corner.
 
-    required: as `shocks_of` returns it; corner: a Verdict as a mapping
+    corner: a Verdict as a mapping
     """
     device = study.device
     device = device[corner["device"]] if isinstance(device, Mapping) else device
     if corner["temperature"] != device.temperature:
         device = device.at(corner["temperature"])
-    study = of_requirement(study, required)
+    study = required.shaken(study)
     pushed = corner["shape"], corner["direction"]
     for shocks in study.shocks.each():
         if (shocks.pulse.name, shocks.direction) == pushed:

@@ -17,7 +17,7 @@ from ...config.units import read
 from ...config.views import frequency_of
 from ...device.argument import Argument
 from ...files.text import is_title, show
-from ...solver.settings import FIRST, SECOND, STARTS
+from ...solver.settings import FIRST, STARTS
 from ...study.study import ANY, ARRIVES, Study
 from .required import Required, RequiredShock
 
@@ -26,8 +26,6 @@ SURVIVES = 0.999
 NAME = argument(
     Argument("a unique name of letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
 )
-
-
 SNAPS = {
     ARRIVES: "it must arrive at its other shape, if only for a moment",
     ANY: "either is right",
@@ -112,12 +110,16 @@ class ShockSection(PulseSection):
             raise ValueError(f".N: missing; write {self.needs()['N']}")
         N = self.N if self.has("N") else shocks.pulse.peak / gravity
         f0 = frequency_of(self.duration) if self.duration else self.f0
-        required = {"name": self.name, "snaps": self.snaps}
-        required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
-        required |= {"survives": self.least_share, "pulse": values}
-        if self.start == SECOND:
-            required["start"] = self.start
-        return self.kind(required)
+        return self.kind(
+            name=self.name,
+            N=N,
+            f0=f0 or shocks.own_frequency(),
+            shocks=shocks,
+            snaps=self.snaps,
+            survives=self.least_share,
+            start=self.start or FIRST,
+            pulse=values,
+        )
 
     @staticmethod
     def _inherited(pulse):
@@ -160,7 +162,7 @@ def read_requirements(
         try:
             required = section.under(pulse, gravity)
             for device in study.devices().values():
-                require_start(required.values.get("start", FIRST), device)
+                require_start(required.start, device)
         except ValueError as error:
             raise ValueError(in_list(place, str(error))) from None
         requirements.append(required)

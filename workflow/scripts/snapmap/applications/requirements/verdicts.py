@@ -12,7 +12,7 @@ from ..design.design import remedy, with_value
 from ..histories.history import FARTHEST, Extremes, warn_of_travel
 from .check import Survival, restless, summary, worst
 from .corners import MET, VIOLATED, Verdict, at_corner, beyond
-from .required import Required
+from .required import Required, RequiredShock
 
 
 def hint(
@@ -24,8 +24,8 @@ def hint(
     Returns "" if its threshold is on the right side, if no single shock is required, or if no
     change helps.
     """
-    shocks = [required for required in requirements if "shocks" in required.values]
-    goals = [shock.values for shock in shocks if shock.values["name"] == wrong.requirement]
+    shocks = [required for required in requirements if isinstance(required, RequiredShock)]
+    goals = [shock for shock in shocks if shock.name == wrong.requirement]
     if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
         return ""
     shaken = at_corner(study, goals[0], wrong._asdict())

@@ -1,48 +1,13 @@
 """Sections of vibration and of shock response spectra among the requirements."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 from ...config.keys import Section, key, many, quantity, word
 from ...config.shocks import PUSHED, PUSHES, PulseSection
 from ...config.units import read, show
-from ...study.study import ARRIVES, Study
+from ...study.study import ARRIVES
 from ..requirements.sections import NAME, snaps
 from .psd import REACH, Spectrum
+from .required import RequiredSpectrum, RequiredVibration
 from .srs import check_points
-
-
-@dataclass(frozen=True, eq=False)
-class RequiredVibration:
-    """A required vibration; values: name, psd, duration (s), snaps and probability."""
-
-    values: dict
-
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Judge by the level at which a trip is as probable as allowed; no further columns."""
-        from .verdicts import check_vibrations
-
-        verdicts = check_vibrations(study, [self.values], C, study.temperatures)
-        return [(verdict, {}) for verdict in verdicts]
-
-    def require(self, study: Study) -> None:
-        """Raise ValueError if a force pushes the beam, as then no frame is shaken."""
-        study.require_frame("a spectrum among the requirements")
-
-    def plain(self) -> dict:
-        """All values; they are plain."""
-        return self.values
-
-
-class RequiredSpectrum(RequiredVibration):
-    """A required shock response spectrum; values: name, srs, direction and snaps."""
-
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Judge by the factor of the spectrum from which its records trip; no further columns."""
-        from .verdicts import check_spectra
-
-        verdicts = check_spectra(study, [self.values], C, study.temperatures)
-        return [(verdict, {}) for verdict in verdicts]
 
 
 def _points(name, unit, such, what, example):
@@ -90,9 +55,8 @@ class VibrationSection(Section):
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredVibration:
         """Make the requirement; vibration depends on neither the study's pulse nor N."""
-        values = {"name": self.name, "snaps": self.snaps, "psd": self.points}
-        values |= {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
-        return RequiredVibration(values)
+        duration, probability = 1e-6 * self.duration, self.probability or REACH
+        return RequiredVibration(self.name, self.snaps, self.points, duration, probability)
 
 
 class SpectrumSection(Section):
@@ -123,6 +87,5 @@ class SpectrumSection(Section):
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredSpectrum:
         """Make the requirement of a study, whose direction holds unless the section has its own."""
-        values = {"name": self.name, "snaps": self.snaps, "srs": self.points}
-        values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
-        return RequiredSpectrum(values)
+        direction = self.direction or (pulse and pulse.direction) or "+z"
+        return RequiredSpectrum(self.name, self.snaps, self.points, direction)

@@ -18,15 +18,8 @@ from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
 from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
-from ...study.study import (
-    ARRIVES,
-    SNAPS,
-    THRESHOLD_SETTINGS,
-    Study,
-    of_requirement,
-    study_of,
-    with_shocks,
-)
+from ...study.shock import Shock, take_shock
+from ...study.study import ARRIVES, SNAPS, THRESHOLD_SETTINGS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from .sensitivity import crossed, indices
@@ -82,7 +75,7 @@ def tolerance(
     0.1
     """
     study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
-    requirements = [with_shocks(required, study.shocks) for required in requirements]
+    requirements = [take_shock(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
     return tolerances_of(study, axes, tolerances, requirements, tolerance)
 
@@ -91,7 +84,7 @@ def tolerances_of(
     study: Study,
     axes: Mapping[str, Sequence[float]],
     tolerances: Tolerances,
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
     tolerance: float = 1e-3,
 ) -> xr.Dataset:
     """Find the thresholds of a study's devices as made, as `tolerance` returns them.
@@ -177,7 +170,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
         data |= _share("latched", count, size, along)
     if requirements:
-        named["requirement"] = [required["name"] for required in requirements]
+        named["requirement"] = [required.name for required in requirements]
         batches = [batch]
         if "temperature" in axes:
             tempered = [
@@ -214,22 +207,21 @@ def _requirements(batches, study, requirements, C, tolerance):
     """
     first, meets = [], []
     for required in requirements:
-        settings, levels, met = of_requirement(study, required).settings, [], []
-        for batch, shocks in product(batches, required["shocks"].each()):
-            rows = to_rows(0, required["f0"], C, 0, shocks.pulses)
+        settings, levels, met = required.shaken(study).settings, [], []
+        for batch, shocks in product(batches, required.shocks.each()):
+            rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
             met.append(batch.meets(required, rows, settings))
         # NaN, where nothing snaps, is above every N.
-        worst = np.maximum if required["snaps"] in (True, ARRIVES) else np.fmin
+        worst = np.maximum if required.snaps in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))
         meets.append(np.all(met, axis=0))
     meets, along = np.array(meets), ("requirement", "C")
-    N, f0 = ([required[key] for required in requirements] for key in ("N", "f0"))
-    must = [SNAPS[required["snaps"]] for required in requirements]
+    must = [SNAPS[required.snaps] for required in requirements]
     data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
-        "N_required": ("requirement", np.array(N, float)),
-        "f0_required": ("requirement", np.array(f0, float)),
+        "N_required": ("requirement", np.array([required.N for required in requirements], float)),
+        "f0_required": ("requirement", np.array([required.f0 for required in requirements], float)),
         "must_snap": ("requirement", np.array(must, np.int8)),
     }
     data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
@@ -241,7 +233,7 @@ def _requirements(batches, study, requirements, C, tolerance):
         data["stress_max"] = ("requirement", "sample", "C"), largest
         broken = break_probability(study.device, stress).sum(axis=1)
         data |= _share("share_breaking", broken, followed.size, along)
-        survives = [bool(required.get("survives", True)) for required in requirements]
+        survives = [required.survives > 0 for required in requirements]
         most = stress[survives].max(axis=0, initial=0.0)
         weight[followed] *= 1 - break_probability(study.device, most)
         weight = weight[: followed.max(initial=-1) + 1]
@@ -254,16 +246,16 @@ def _stresses(batch, study, requirements, C):
     It is NaN for samples that are not followed.
     """
     singles = [
-        required | {"shocks": shocks}
+        replace(required, shocks=shocks)
         for required in requirements
-        for shocks in required["shocks"].each()
+        for shocks in required.shocks.each()
     ]
     stress = batch.stresses(study, singles, C)
     largest = np.full((len(requirements), batch.bistable.size, len(C)), np.nan)
     followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
     begin = 0
     for row, required in zip(largest, requirements, strict=True):
-        end = begin + len(required["shocks"].pulses)
+        end = begin + len(required.shocks.pulses)
         row[followed], begin = stress[begin:end].max(axis=0), end
     return largest
 

@@ -9,7 +9,8 @@ from ...device.samples import Tolerances
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...solver.cost import steps_and_seconds
-from ...study.study import Study, of_requirement
+from ...study.shock import Shock
+from ...study.study import Study
 from ...thresholds.cost import run_seconds
 
 PER_ROW, PER_SAMPLE = 3000, 3
@@ -20,7 +21,7 @@ def made_seconds(
     study: Study,
     axes: Mapping[str, np.ndarray],
     tolerances: Tolerances,
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
 ) -> float:
     """Forecast the core time of `tolerances_of`, s."""
     pulse = np.arange(len(study.shocks.pulses))[:, np.newaxis, np.newaxis]
@@ -35,12 +36,12 @@ def made_seconds(
             _, to_end = steps_and_seconds(model, cells, study.settings)
             seconds += tolerances.followed(to_end.size) * float(to_end.sum())
         for required in requirements:
-            shock = to_rows(0, required["f0"], axes["C"], 0, required["shocks"].pulses)
-            settings = of_requirement(study, required).settings
-            cells = shock.cells(model.device, required["N"], settings.horizon)
+            shock = to_rows(0, required.f0, axes["C"], 0, required.shocks.pulses)
+            settings = required.shaken(study).settings
+            cells = shock.cells(model.device, required.N, settings.horizon)
             _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
             _, moving = steps_and_seconds(model, cells, settings._replace(until="moved"))
-            of_sample = (required["snaps"] is True) * to_end + (device.strength < np.inf) * moving
+            of_sample = (required.snaps is True) * to_end + (device.strength < np.inf) * moving
             judged = _of_rows(model, shock, settings, tolerances.samples)
             judged += tolerances.samples * float(of_sample.sum())
             seconds += judged * len(axes.get("temperature", [0]))
