@@ -29,7 +29,7 @@ from snapmap.device.device import VALUES
 from snapmap.numerics.statistics import percents
 from snapmap.public import options_of
 from snapmap.pulse.pulse import DIRECTIONS, SHAPES
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.netcdf import write
 
 PAGES = "recipes", "own-physics", "tutorial", "figures"
@@ -73,7 +73,7 @@ def test_the_defaults_on_the_page_are_those_of_the_code(reference):
     defaults = {key: literal_eval(value) for key, value in listed}
     code = {"pulse": next(iter(SHAPES)), "direction": next(iter(DIRECTIONS))}
     code["model"] = inspect.signature(snapmap.threshold).parameters["model"].default
-    code |= Settings._field_defaults
+    code |= Run._field_defaults
     assert code.items() <= defaults.items()
 
 

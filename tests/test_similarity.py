@@ -17,7 +17,7 @@ from snapmap.pulse.pulse import N_of_g, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import lowest_snap
 
 
@@ -73,7 +73,7 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     assert beats.variation > 15
     model = build_model(handout, "cosines", modes=3)
     rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]], pulses=(beats,))
-    static, settings = static_threshold(handout), Settings(300.0, until="snap")
+    static, settings = static_threshold(handout), Run(300.0, until="snap")
     search = rows, (0.5 * static, 6.0 * static), settings, 1e-5
     coarse, fine = (lowest_snap(each, *search) for each in (model, model.with_step(0.25)))
     np.testing.assert_allclose(coarse, fine, rtol=2e-4)

@@ -19,7 +19,7 @@ from snapmap.applications.window.figure import draw_window
 from snapmap.applications.window.window import window_of
 from snapmap.figures import maps, style, thresholds
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
@@ -37,7 +37,7 @@ VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
 @pytest.fixture(scope="module")
 def made(handout):
     """A small result behind each figure, by the function that draws it."""
-    study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Settings(100.0))
+    study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Run(100.0))
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
     made = snapmap.tolerance(
         handout,

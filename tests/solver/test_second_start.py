@@ -20,7 +20,7 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
@@ -76,7 +76,7 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     start = np.append(model.second.modes, np.zeros(5))
     run = solve_ivp(rate, (0, 50), start, "DOP853", rtol=1e-9, atol=1e-9, **snap)
     cells = to_rows(0, 2e4, 25.0).cells(handout, -N, 0.0)
-    seen = model.follow(cells, Settings(0.0, "snap", start="second"))
+    seen = model.follow(cells, Run(0.0, "snap", start="second"))
     assert seen.t_snap.item() == pytest.approx(run.t_events[0][0], rel=1e-5)
     fast, slow = (
         snapmap.sweep(handout, [N], [2e4], [25.0], name, elements=3, until="snap", **BACK)
@@ -151,7 +151,7 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
     whole["sweep"]["start"] = "second"
     study = load_config(whole)
-    assert study.settings.start == study.of_thresholds().settings.start == "second"
+    assert study.run.start == study.of_thresholds().settings.start == "second"
     whole["sweep"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)

@@ -17,7 +17,7 @@ from snapmap.applications.histories.history import observed_of
 from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import ConfigError
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 
@@ -101,7 +101,7 @@ def integrated(device, N, f0, C):
 
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
-    study = Study(device=device, model=MODEL, settings=Settings(horizon=HORIZON))
+    study = Study(device=device, model=MODEL, settings=Run(horizon=HORIZON))
     seen, expected = observed_of(study, N, f0, 25.0), integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key

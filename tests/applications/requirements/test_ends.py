@@ -19,7 +19,7 @@ from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.axes import rows_of
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
@@ -34,7 +34,7 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device=device, model=model, settings=Settings(horizon=HORIZON))
+    return Study(device=device, model=model, settings=Run(horizon=HORIZON))
 
 
 def judged(study, *levels, f0=F0, snaps=True):
@@ -77,7 +77,7 @@ def test_no_shock_is_met_that_ends_elsewhere_in_finer_steps(handout):
     cells = rows.cells(grid.device, levels, HORIZON).flat()
     for step in (0.6, 0.35, 0.25):
         model = choose_model(grid.device, study.model).with_step(step)
-        stays.append(side_at_end(model.follow(cells, study.settings), 1e-3) == 2)
+        stays.append(side_at_end(model.follow(cells, study.run), 1e-3) == 2)
     assert 20 < met.sum() < 40 and np.all(stays, axis=0)[met].all()
     assert not np.all(stays, axis=0)[~met].all()
 

@@ -21,7 +21,7 @@ from snapmap.applications.spectra.srs import (
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.verdicts import check_spectrum
 from snapmap.applications.spectra.vibration import _level, fit_rates
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 
@@ -96,7 +96,7 @@ def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
 
 
 def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout, study):
-    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, settings=Settings(0.0))
+    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, run=Run(0.0))
     trips = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
     snaps = trips.snaps.values[0].sum(axis=0)
     first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)

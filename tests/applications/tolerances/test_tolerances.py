@@ -29,7 +29,7 @@ from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
 
@@ -132,7 +132,7 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
     rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Settings())
+    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Run())
     assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
     assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 

@@ -14,7 +14,7 @@ class Shock:
 
     N: multiples of g; f0: Hz; shocks: shapes and directions, under each of which it counts
     snaps: true (the beam must arrive and stay), false, ARRIVES, or ANY
-    survives: least probability that the beam must not break; start: as in `Settings`
+    survives: least probability that the beam must not break; start: as in `Run`
     """
 
     name: str
@@ -27,7 +27,7 @@ class Shock:
 
     def shaken(self, study: Study) -> Study:
         """Give a study under this shock, with its own pulses and start."""
-        settings = study.settings._replace(start=self.start)
+        settings = study.run.but(start=self.start)
         return replace(study, shocks=self.shocks, settings=settings)
 
 

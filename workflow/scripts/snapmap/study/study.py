@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from ..device.device import VALUES, Device
 from ..pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
-from ..solver.settings import Settings, settings_of
+from ..solver.settings import Run, settings_of
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
@@ -14,8 +14,8 @@ ANY, ARRIVES = "any", "arrives"
 the beam must arrive at its other shape, but need not stay there."""
 SNAPS = {False: 0, True: 1, ANY: 2, ARRIVES: 3}
 """Codes of `snaps` in datasets."""
-THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
-"""Settings on which a threshold depends."""
+OF_THRESHOLDS = ("horizon", "energy_tolerance", "start")
+"""Run on which a threshold depends."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,7 +32,7 @@ class Study:
     device: Device | Mapping[str, Device]
     shocks: Shocks = HANDOUT_SHOCK
     model: Mapping = field(default_factory=lambda: {"name": "auto"})
-    settings: Settings = field(default_factory=Settings)
+    settings: Run = field(default_factory=Run)
     skip: bool = False
 
     def __post_init__(self):
@@ -79,7 +79,7 @@ def study_of(
     """Make a study, and its axes by name, of a function's arguments; raises ValueError, one line.
 
     model: name, or a mapping as in the config
-    options: fields of `Settings`; pulse and direction, as `make_shocks` takes them; skip; values of
+    options: fields of `Run`; pulse and direction, as `make_shocks` takes them; skip; values of
         the device, which are axes; and options of the model
     shock: values of C, f0 and N; f0 = None means that of a recorded shock, others are left out
     """
@@ -90,7 +90,7 @@ def study_of(
 
     shocks, settings = (
         make_shocks(**take(("pulse", "direction"))),
-        settings_of(take(Settings._fields)),
+        settings_of(take(Run._fields)),
     )
     skip, axes = options.pop("skip", False), take(VALUES)
     if "f0" in shock and shock["f0"] is None:

@@ -18,7 +18,7 @@ from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
 from ..solver.outcome import LATCHED, label, side_at_end
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import THRESHOLD_TOLERANCE, Run
 from ..study.shock import Shock
 from ..study.study import ANY, Study
 from .cost import tell_cost
@@ -93,7 +93,7 @@ class Batch:
         return self.choices[-1]._replace(step=1.0).of(self.models)
 
     def thresholds(
-        self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
+        self, rows: Rows, settings: Run, tolerance: float, chosen: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Find thresholds of the samples, (samples, rows), and of the nominal device, (rows,).
 
@@ -116,7 +116,7 @@ class Batch:
                 N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
 
-    def meets(self, required: Shock, rows: Rows, settings: Settings) -> np.ndarray:
+    def meets(self, required: Shock, rows: Rows, settings: Run) -> np.ndarray:
         """Tell whether each sample meets a requirement in each row, (samples, rows).
 
         A sample that must trip is followed to the end, to see whether it stays.
@@ -130,12 +130,12 @@ class Batch:
             met = np.isfinite(asker(self.model, every, settings)(levels))
             if required.snaps is True:
                 cells = every.cells(self.model.device, levels, settings.horizon)
-                runs = self.model.follow(cells.take(met), settings._replace(until="settled"))
+                runs = self.model.follow(cells.take(met), settings.but(until="settled"))
                 met[met] = side_at_end(runs, settings.energy_tolerance) == 2
             snaps[self.bistable] = met.reshape(self.size, -1)
         return (snaps == bool(required.snaps)) & self.bistable[:, np.newaxis]
 
-    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
+    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Run) -> np.ndarray:
         """Count how many of the first samples latch, (rows, N)."""
         count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
@@ -171,7 +171,7 @@ class Batch:
         )
 
 
-def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
+def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Run) -> list[Choice]:
     """Choose the models that decide the thresholds of rows; model: name and options.
 
     With `auto`, each row takes the first of LADDER that agrees, within the tolerance of `auto`,
@@ -229,11 +229,11 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[exists] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model, study.settings.start)
+        models = choose_survey(devices, study.model, study.run.start)
         numbers = np.full(size, -1)
         numbers[exists] = places
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
-        tell_cost(models, rows, study.settings)
-        columns = find_thresholds(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        tell_cost(models, rows, study.run)
+        columns = find_thresholds(models, rows, parts, study.run, THRESHOLD_TOLERANCE)
         thresholds[:, exists] = columns["N_first"], columns["N_error"]
     return *thresholds, exists

@@ -101,7 +101,7 @@ def design(
     2.1
     """
     study, _ = study_of(device, model, options)
-    start = study.settings.start
+    start = study.run.start
     required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
@@ -195,7 +195,7 @@ def _threshold_finder(study, value, C, goals) -> Callable:
         N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mask = starts[i] == start
-            started = replace(study, settings=study.settings._replace(start=str(start)))
+            started = replace(study, run=study.run.but(start=str(start)))
             values = {value: tried.ravel()[mask]}
             dampers = values.pop("C", C)
             N_first[mask], error[mask], exists[mask] = thresholds_at(

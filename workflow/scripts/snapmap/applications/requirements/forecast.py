@@ -32,7 +32,7 @@ def judged_seconds(
             grid, settings = shaken.set_out({"C": C, "f0": [shock.f0]}), shaken.settings
             models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
             cells = rows.cells(grid.device, shock.N, settings.horizon)
-            to_end = settings._replace(until="settled")
+            to_end = settings.but(until="settled")
             seconds += PER_VERDICT * rows.f0.size + survey_seconds(models, rows, settings)
             seconds += RUNS * float(steps_and_seconds(models.decides, cells, to_end)[1].sum())
     return seconds

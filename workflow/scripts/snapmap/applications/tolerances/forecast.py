@@ -30,17 +30,17 @@ def made_seconds(
     seconds = 0.0
     for device in study.devices().values():
         model = choose_survey(batch([device]), study.model).decides
-        seconds += _of_rows(model, rows, study.settings, every)
+        seconds += _of_rows(model, rows, study.run, every)
         if device.beam.damping > 0:
-            cells = rows.cells(model.device, axes["N"], study.settings.horizon)
-            _, to_end = steps_and_seconds(model, cells, study.settings)
+            cells = rows.cells(model.device, axes["N"], study.run.horizon)
+            _, to_end = steps_and_seconds(model, cells, study.run)
             seconds += tolerances.followed(to_end.size) * float(to_end.sum())
         for required in requirements:
             shock = to_rows(0, required.f0, axes["C"], 0, required.shocks.pulses)
             settings = required.shaken(study).settings
             cells = shock.cells(model.device, required.N, settings.horizon)
-            _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
-            _, moving = steps_and_seconds(model, cells, settings._replace(until="moved"))
+            _, to_end = steps_and_seconds(model, cells, settings.but(until="settled"))
+            _, moving = steps_and_seconds(model, cells, settings.but(until="moved"))
             of_sample = (required.snaps is True) * to_end + (device.strength < np.inf) * moving
             judged = _of_rows(model, shock, settings, tolerances.samples)
             judged += tolerances.samples * float(of_sample.sum())
