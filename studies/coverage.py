@@ -23,7 +23,7 @@ from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.search import CLOSE_STEP
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
-from .common import SMALL, Run, few, number
+from .common import SMALL, Timed, few, number
 from .random_devices import (
     FREQUENCIES,
     SLOWEST,
@@ -95,13 +95,13 @@ def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
     return device, shocks, f0, C, steps > MOST_STEPS
 
 
-def is_clean(run: Run) -> np.ndarray:
+def is_clean(run: Timed) -> np.ndarray:
     """Return a mask of the rows that have a threshold and are not ragged, (thresholds,)."""
     N, _, _, ragged = run.result
     return np.isfinite(N) & (ragged == 0)
 
 
-def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
+def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Timed:
     """Find N_first, N_error, status and ragged, (thresholds,), or None after a ValueError."""
     how = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
     begin = perf_counter()
@@ -111,7 +111,7 @@ def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
     except ValueError as error:
         print(f"{device}: {error}")
         answer = None
-    return Run(answer, perf_counter() - begin)
+    return Timed(answer, perf_counter() - begin)
 
 
 def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:

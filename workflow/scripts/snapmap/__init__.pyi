@@ -19,6 +19,7 @@ from .solver.options import Elements as Elements
 from .solver.options import Reference as Reference
 from .solver.settings import Run as Run
 from .study.study import Study as Study
+from .study.variables import words as words
 from .sweeps.collect import open_cube as open_cube
 from .sweeps.cube import sweep as sweep
 from .thresholds.surface import threshold as threshold

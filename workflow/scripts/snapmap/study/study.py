@@ -10,9 +10,9 @@ from typing_extensions import TypeAliasType
 
 from ..device.device import Device
 from ..files.text import show
-from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks, make_shocks
+from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks
 from ..solver.options import Auto, Model, section_of
-from ..solver.settings import FIRST, Run
+from ..solver.settings import Run
 from ..values.kinds import Kind
 from ..values.quantities import Truth
 from ..values.records import record

@@ -308,8 +308,7 @@ def row_of_kinds(
     above: record whose fields it has, too
     """
     hints = {
-        key: Annotated[hint | None, Field(description=what)]
-        for key, (hint, what) in kinds.items()
+        key: Annotated[hint | None, Field(description=what)] for key, (hint, what) in kinds.items()
     }
     body = dict.fromkeys(kinds) | {"__annotations__": hints}
     if above:

@@ -50,8 +50,6 @@ class Calibration(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Fit the unknowns to the shots."""
-        from dataclasses import replace
-
         from ...study.netcdf import write_product
         from .dataset import calibration_of, summary
 

@@ -1,7 +1,6 @@
 """Verdicts on required vibration and required shock response spectra."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 

@@ -1,7 +1,6 @@
 """Reserves of required shocks over axes of device and damper, and the yield."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
