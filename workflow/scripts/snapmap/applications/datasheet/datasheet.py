@@ -25,7 +25,7 @@ from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
 from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
-from ..statics.statics import statics
+from ..statics.statics import statics_of
 
 UNITS = {
     "toward_max": ("travel of the mass towards the beam", "um"),
@@ -127,7 +127,7 @@ def _written(value):
 
 def _statics(device, verdicts, damper):
     unit, size = damper
-    path, beam = statics(device), device.beam
+    path, beam = statics_of(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
     yield ["force that snaps the beam", f"{path.largest_force.item():.5g} uN"]

@@ -26,10 +26,10 @@ class Statics(Application):
     def run(self, study: Config, statics_paths: list[str]) -> None:
         """Write the statics of each device."""
         from ...study.netcdf import write
-        from .statics import statics
+        from .statics import statics_of
 
         for device, path in zip(study.devices().values(), statics_paths, strict=True):
-            write(statics(device), path)
+            write(statics_of(device), path)
 
     def figures(self, study: Config) -> Figures:
         """A figure for each device."""

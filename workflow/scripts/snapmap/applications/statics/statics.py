@@ -16,6 +16,7 @@ from ...beam.equilibria import (
 )
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
+from ...device.device import Device
 from ...numerics.portable import sine
 from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
@@ -34,22 +35,38 @@ LEAST_LOG = -32.0
 def statics(study: SingleStudy) -> xr.Dataset:
     """Push the midpoint of a beam slowly from the first shape to the second and beyond.
 
-    Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
+    Parameters
+    ----------
+    study
+        A Device, or a Study, of which only the device matters.
 
-    - `guided`: a symmetric beam (Vangbo, 1998)
-    - `unbranched`: the second mode suppressed (not physical)
-    - `tilted`: a beam free to tilt, with its imperfection
+    Returns
+    -------
+    Dataset
+        `displacement` (um), `force` (uN) and `energy` (pJ) over (branch, point). Branches are
+        `guided`, a symmetric beam (Vangbo, 1998); `unbranched`, the second mode suppressed, which
+        is not physical; and `tilted`, a beam free to tilt, with its imperfection.
+        Without dimension, of the beam's own path: `largest_force` and `least_force` between the
+        shapes (uN; above 0 the beam returns by itself), w(L/2) of both shapes and the saddle
+        (`rise`, `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0
+        without a second stable shape), and `hold_force` (uN) on an electrode.
 
-    Without dimension, of the beam's own path: `largest_force` and `least_force` between the shapes
-    (uN; above 0 the beam returns by itself), w(L/2) of both shapes and the saddle (`rise`,
-    `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0 without a second
-    stable shape), and `hold_force` (uN) on an electrode.
+    Raises
+    ------
+    ValueError
+        One line, if the study has several devices.
 
+    Examples
+    --------
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
     >>> round(path.largest_force.item(), 2), round(path.least_force.item(), 2)
     (70.67, -32.54)
     """
-    device = study.device
+    return statics_of(study.device)
+
+
+def statics_of(device: Device) -> xr.Dataset:
+    """Push the midpoint of a device's beam, as `statics` does."""
     modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
     barrier = find_barrier(device.beam, shapes)
     first = first_midpoint(shapes, device.beam).item()
