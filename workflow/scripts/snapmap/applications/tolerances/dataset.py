@@ -75,9 +75,9 @@ def tolerance(
     0.1
     """
     study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
-    requirements = [take_shock(required, study.shocks) for required in requirements]
+    shocks = [take_shock(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
-    return tolerances_of(study, axes, tolerances, requirements, tolerance)
+    return tolerances_of(study, axes, tolerances, shocks, tolerance)
 
 
 def tolerances_of(
@@ -272,14 +272,14 @@ def summary(tolerance: xr.Dataset) -> str:
     total = tolerance.sensitivity.sel(order="total")
     named = [dim for dim in NAMES if dim in total.dims]
     total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
-    most = {}
+    most: dict[str, list[str]] = {}
     for place in product(*(range(total.sizes[dim]) for dim in named)):
         indices = total.isel(dict(zip(named, place, strict=True)))
         if indices.notnull().any():
             names = " ".join(str(indices[dim].item()) for dim in named)
             most.setdefault(indices.idxmax().item(), []).append(names)
-    for key, names in most.items():
-        words.append(f"most by {key} ({', '.join(names)})" if len(most) > 1 else f"most by {key}")
+    for key, places in most.items():
+        words.append(f"most by {key} ({', '.join(places)})" if len(most) > 1 else f"most by {key}")
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in tolerance:
             shares = tolerance[key]
