@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..device.device import Device
     from ..solver.cells import Cells, Observations
     from ..solver.models import Follows
-    from ..solver.settings import Settings
+    from ..solver.settings import Run
     from ..study.study import Study
 
 Files = Mapping[str, str | list[str]]
@@ -140,16 +140,16 @@ class Application:
     # What it adds to files of others.
 
     def observe(
-        self, model: Follows, cells: Cells, observed: Observations, settings: Settings
+        self, model: Follows, cells: Cells, observed: Observations, settings: Run
     ) -> Mapping[str, np.ndarray]:
         """Floats that it adds to the cells of a cube, by name."""
         return {}
 
-    def observing(self, model: Follows, cells: Cells, settings: Settings) -> np.ndarray | float:
+    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
         """Core time that `observe` takes for each cell, s."""
         return 0.0
 
-    def in_history(self, model: Follows, cells: Cells, settings: Settings) -> Mapping[str, Any]:
+    def in_history(self, model: Follows, cells: Cells, settings: Run) -> Mapping[str, Any]:
         """Attributes that it adds to the history of a cell."""
         return {}
 

@@ -85,7 +85,7 @@ class Config(Study):
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
-        return replace(self, settings=self.settings._replace(until="settled", repeat=True))
+        return replace(self, run=self.settings.but(until="settled", repeat=True))
 
     @property
     def has_strength(self) -> bool:
@@ -105,7 +105,7 @@ def planned_study(document: Mapping, threads: int) -> Config:
     """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
     hold_to_plan(study.files())
-    return replace(study, settings=study.settings._replace(threads=threads))
+    return replace(study, run=study.run.but(threads=threads))
 
 
 def load_config(document: Mapping) -> Config:

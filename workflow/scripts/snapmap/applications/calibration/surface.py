@@ -78,7 +78,7 @@ def log_thresholds(
     device = batch([study.device]).vary(middle).pick(0)
     f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
     rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
-    settings = study.settings
+    settings = study.run
     levels = choose_levels(device, study.model, rows, settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
     scattered = Batch(device, shares, study.model, levels, settings.start)

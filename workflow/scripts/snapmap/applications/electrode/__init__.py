@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...device.device import Device
     from ...solver.cells import Cells, Observations
     from ...solver.models import Follows
-    from ...solver.settings import Settings
+    from ...solver.settings import Run
     from ...study.study import Study
 
 
@@ -40,7 +40,7 @@ class Electrode(Application):
             )
 
     def observe(
-        self, model: Follows, cells: Cells, observed: Observations, settings: Settings
+        self, model: Follows, cells: Cells, observed: Observations, settings: Run
     ) -> dict[str, np.ndarray]:
         """The closures of each cell, by name, with their errors; empty without an electrode."""
         from .closures import closures_again
@@ -49,17 +49,17 @@ class Electrode(Application):
             return {}
         return closures_again(model, cells, observed, settings)
 
-    def observing(self, model: Follows, cells: Cells, settings: Settings) -> np.ndarray | float:
+    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
         """The core time of two more runs of each cell, s; 0 without an electrode."""
         from ...solver.cost import steps_and_seconds
         from ...solver.outcome import REPEATED_STEP
 
         if not model.device.has_electrode.any():
             return 0.0
-        moved = steps_and_seconds(model, cells, settings._replace(until="moved"))[1]
+        moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
         return (1 + 1 / REPEATED_STEP) * moved
 
-    def in_history(self, model: Follows, cells: Cells, settings: Settings) -> dict[str, Any]:
+    def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, Any]:
         """The place of the electrode, and the closures of a cell; empty without an electrode."""
         from .closures import follow_closures
 

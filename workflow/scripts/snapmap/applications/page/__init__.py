@@ -25,7 +25,7 @@ class Page(Application):
         """The page, with what the cube does not hold."""
         from .. import gather
 
-        marks, start = gather(lambda part: part.marks(study)).values(), study.settings.start
+        marks, start = gather(lambda part: part.marks(study)).values(), study.run.start
         each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
         required = [
             (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
@@ -33,7 +33,7 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.pulse, "required": required}
-        return {"explore": {"horizon": study.settings.horizon, **shown}}
+        return {"explore": {"horizon": study.run.horizon, **shown}}
 
     def draw(
         self,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...beam.stress import break_probability
 from ...device.device import Device
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
 from ...study.shock import Shock
@@ -85,7 +85,7 @@ def each_device(study: Study, temperatures: Sequence[float] = ()) -> Iterator[tu
 
 
 def _verdicts(study, name, required, C, tolerance):
-    N, f0, must, settings = required.N, required.f0, required.snaps, study.settings
+    N, f0, must, settings = required.N, required.f0, required.snaps, study.run
     axes = {"C": C, "f0": [f0]}
     thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
     near = NEAR if must not in (False, ANY) else np.ones(1)

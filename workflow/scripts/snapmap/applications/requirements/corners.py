@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.settings import FIRST
 from ...study.shock import Shock
 from ...study.study import ANY, SNAPS, Study
@@ -27,7 +27,7 @@ class Verdict(NamedTuple):
     margin, margin_error: N_first and its error bar over N; NaN where nothing snaps
     outcome: outcome of the required shock, simulated
     verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
-    start: as in `Settings`
+    start: as in `Run`
     end: how the required shock ends, in the runs near N that arrive: STAYS if all stay, DIFFERS if
         some do, else RETURNS or OPEN; NO_ARRIVAL at N itself, or NOT_FOLLOWED
     share_staying: share of these runs that stay in the other shape

@@ -18,7 +18,7 @@ Judged = list[tuple[Verdict, dict[str, float]]]
 
 
 class Required(Protocol):
-    """A requirement: a shock, a vibration, or a spectrum; start: as in `Settings`."""
+    """A requirement: a shock, a vibration, or a spectrum; start: as in `Run`."""
 
     @property
     def name(self) -> str: ...

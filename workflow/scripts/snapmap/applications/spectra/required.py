@@ -22,7 +22,7 @@ class Shaking:
 
     def shaken(self, study: Study) -> Study:
         """Give a study of a beam at rest in its first shape."""
-        return replace(study, settings=study.settings._replace(start=self.start))
+        return replace(study, run=study.run.but(start=self.start))
 
     def require(self, study: Study) -> None:
         """Raise ValueError if a force pushes the beam, as then no frame is shaken."""

@@ -11,7 +11,7 @@ import xarray as xr
 from ...beam.stress import break_probability
 from ...device.argument import mapping_of, number
 from ...device.device import VALUES
-from ...device.quantities import plain
+from ...files.text import plain
 from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
 from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
@@ -19,7 +19,7 @@ from ...solver.cells import to_rows
 from ...study import arguments
 from ...study.axes import COORDINATES, NAMES
 from ...study.shock import Shock, take_shock
-from ...study.study import ARRIVES, SNAPS, THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import ARRIVES, SNAPS, OF_THRESHOLDS, Study, study_of
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from .sensitivity import crossed, indices
@@ -108,7 +108,7 @@ def tolerances_of(
         if f"{key}_factor" in data:
             attributes = {"long_name": f"{key} over its nominal value", "units": "1"}
             data[f"{key}_factor"].attrs = attributes
-    document = study.document(THRESHOLD_SETTINGS)
+    document = study.document(OF_THRESHOLDS)
     document["tolerances"] = tolerances.section
     dataset = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:
@@ -121,7 +121,7 @@ def tolerances_of(
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
     """The dataset of one device, without attributes."""
-    settings, samples, device = study.settings, tolerances.samples, study.device
+    settings, samples, device = study.run, tolerances.samples, study.device
     C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
     groups = study.shocks.axes | {"C": C, "f0": f0}
     shape = [values.size for values in groups.values()]

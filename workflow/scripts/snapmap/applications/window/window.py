@@ -14,7 +14,7 @@ from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import TEMPERATURE, Units, rows_of
 from ...study.shock import Shock
-from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study
+from ...study.study import ANY, SNAPS, OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import first_snaps
@@ -48,7 +48,7 @@ def window_of(
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
             under.append(_under_shock(single, axes, required, thresholds[pulse]))
         windows.append(_worst(under))
-    design, document = windows[0].reserve.dims, study.document(THRESHOLD_SETTINGS)
+    design, document = windows[0].reserve.dims, study.document(OF_THRESHOLDS)
     names = [required.name for required in requirements]
     window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
@@ -99,8 +99,8 @@ def _under_shock(study, axes, required, thresholds):
     if np.isfinite(grid.device.strength).any():
         rows, stress = rows_of(grid), np.full(window.reserve.shape, np.nan)
         rows = rows.take(exists := rows.device >= 0)
-        cells = rows.cells(grid.device, N, study.settings.horizon).flat()
-        largest = largest_stress(grid.device, study.model, cells, study.settings)
+        cells = rows.cells(grid.device, N, study.run.horizon).flat()
+        largest = largest_stress(grid.device, study.model, cells, study.run)
         broken = break_probability(grid.device.pick(cells.device), largest) > 1 - survives
         stress.flat[exists] = largest
         window.reserve.values.flat[np.flatnonzero(exists)[broken]] = 0.0
@@ -117,12 +117,12 @@ def _under_shock(study, axes, required, thresholds):
 
 def _count_meeting(study, axes, requirements, tolerances):
     """Count the samples of the device that meet all requirements, at each point of the axes."""
-    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.settings.start
+    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.run.start
     pulses = [pulse for required in requirements for pulse in required.shocks.pulses]
     f0 = np.array([required.f0 for required in requirements for _ in required.shocks.pulses])
     # ASSUME: a model that suffices at both ends of C suffices between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
-    choices = choose_levels(study.device, study.model, rows, study.settings)
+    choices = choose_levels(study.device, study.model, rows, study.run)
     meets = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
