@@ -160,5 +160,5 @@ def summary(window: xr.Dataset, units: Units) -> str:
         value = between(window[key].values, 1)[place]
         where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
     words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
-    share = between(window["yield"].values)[best] if "yield" in window else np.nan
-    return f"{words}, yield {share:.1%}" if np.isfinite(share) else words
+    meeting = between(window["yield"].values)[best] if "yield" in window else np.nan
+    return f"{words}, yield {meeting:.1%}" if np.isfinite(meeting) else words
