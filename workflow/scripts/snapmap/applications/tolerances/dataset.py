@@ -234,7 +234,7 @@ def _requirements(batches, study, requirements, C, tolerance):
     """
     first, meets = [], []
     for required in requirements:
-        settings, levels, met = required.shaken(study).settings, [], []
+        settings, levels, met = required.shaken(study).run, [], []
         for batch, shocks in product(batches, required.shocks.each()):
             rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
