@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ..numerics.kernels import compiled
+from ..numerics.kernels import inlined
 
 
-@compiled
+@inlined
 def meet_stops(system, at, y_before, y, dt):
     """Correct y of the last two instants, if the mass is beyond a stop, as if it had bounced.
 
@@ -24,7 +24,7 @@ def meet_stops(system, at, y_before, y, dt):
     return y_before, y, pushed, taken
 
 
-@compiled
+@inlined
 def reflect(system, stop, at, middle, velocity):
     """Return the place and velocity, after its reflection, of a mass that has passed a stop.
 
@@ -42,7 +42,7 @@ def reflect(system, stop, at, middle, velocity):
     return place, -np.copysign(np.sqrt(left - climbs), velocity)
 
 
-@compiled
+@inlined
 def potential(system, at, z):
     """Return the energy of the mass at z, pJ; at: w(L/2), whose contact counts, and the field a."""
     w_mid, a = at
@@ -50,7 +50,7 @@ def potential(system, at, z):
     return system.spring * z**2 / 2 + system.penalty * overlap**2 / 2 + system.mass * a * z
 
 
-@compiled
+@inlined
 def is_held(system, y_before, y, force):
     """Tell whether a mass that rests on a stop is pressed there, by its force without damping."""
     rests = y == y_before and (y == -system.stop_toward or y == system.stop_away)
