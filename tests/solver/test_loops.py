@@ -18,7 +18,7 @@ from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import System, nodal_system
 from snapmap.solver.plain_loop import follow
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 
@@ -112,7 +112,7 @@ def test_energy_is_conserved_to_rounding(handout, name, kind):
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
     for factor in (1.0, 10.0, 100.0):
-        seen = model.with_step(factor).follow_once(cells, Settings(5000.0))
+        seen = model.with_step(factor).follow_once(cells, Run(5000.0))
         assert seen.energy_error.max() < 1e-11
 
 
@@ -136,13 +136,13 @@ def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     hard, stiff = (build_model(device, "cosines", modes=5) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
-    t_snaps = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]
+    t_snaps = [model.follow(cells, Run(300.0, until="snap")).t_snap for model in (hard, stiff)]
     np.testing.assert_allclose(*t_snaps, rtol=1e-6)
     assert np.isfinite(t_snaps[0]).any() and np.isnan(t_snaps[0]).any()
 
 
 def threshold(device, name, C=0.025, step=None, **size):
-    model, settings = build_model(device, name, **size), Settings(300.0, until="snap")
+    model, settings = build_model(device, name, **size), Run(300.0, until="snap")
     model = in_steps(model, step) if step else model
     probe = Probe(model, to_rows(0, 1500.0, C), settings)
     return lowest_snap(probe, (700.0, 1100.0), 1e-6).item()
@@ -181,7 +181,7 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):
     def seconds_of_a_step(*name):
         cells = to_cells(handout, 0, 900.0, [1000.0], 25.0, 1500.0)
-        dt, seconds = steps_and_seconds(build_model(handout, *name), cells, Settings())
+        dt, seconds = steps_and_seconds(build_model(handout, *name), cells, Run())
         return (seconds * dt / cells.t_end).item()
 
     assert seconds_of_a_step("reference") > 10 * seconds_of_a_step("elements")
