@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
+from .kept import kept
 from .laws import laws_of, well_of
 from .models import Follows, build_model, check_options, mixed
 from .settings import FIRST, Settings
@@ -145,11 +147,16 @@ def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows 
 
 def _levels(device, start, name, **options) -> Adaptive:
     check_options(device, name, options)
-    return build_adaptive(device, start=start, **options)
+    build = partial(build_adaptive, device, start=start, **options)
+    return kept(build, device, {"name": name, **options}, "levels", start)
 
 
 def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     """Build the survey of a model's name and options for a batch; start: as in `Settings`."""
+    return kept(partial(_survey, device, model, start), device, model, "survey", start)
+
+
+def _survey(device, model, start):
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := laws_of(model):
         return _of_laws(build_model(device, **model), laws, static)

@@ -3,6 +3,7 @@
 import math
 import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Annotated, Unpack
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
+from ..solver.kept import kept
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
 from ..study import arguments
 from ..study.axes import Grid, rows_of
@@ -117,7 +119,7 @@ def thresholds_of(
     if np.isfinite(peak).any():
         acceleration = columns["N_first"] * grid.device.gravity[rows.device]
         columns["scale_first"] = acceleration / peak[rows.pulse]
-    data = _variables(grid, columns) | _limits(grid, models, settings, tolerance)
+    data = _variables(grid, columns) | _limits(grid, study, models, tolerance)
     data |= _slow(grid, rows, models, settings)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
@@ -317,16 +319,17 @@ def _lowest_of(grid, models, settings, tolerance, omega, which, is_short):
     return N.reshape(grid.shape[:-1])
 
 
-def _limits(grid, models, settings, tolerance):
+def _limits(grid, study, models, tolerance):
     """Find areas of pulses, and limits of slow and short ones; of a train's strongest blow."""
     first, last = grid.device_of.ndim, len(grid.axes) - 2
     dims, sizes = tuple(grid.axes), grid.shape[first:last]
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
-    options = models, settings, tolerance
+    options = models, study.settings, tolerance
+    velocity = _find_velocity_change(single, study.model, *options, sizes)
     impact = np.array([pulse.impact for pulse in grid.pulses])
     return {
         "N_static": (dims[:last], _find_static(grid, single, *options, sizes)),
-        "velocity_change": ((*dims[:last], "C"), _find_velocity_change(single, *options, sizes)),
+        "velocity_change": ((*dims[:last], "C"), velocity),
         "area": (dims[first:last], abs(impact).reshape(sizes)),
     }
 
@@ -337,14 +340,20 @@ def _spread(grid, values, sizes):
     return values.reshape(values.shape + (1,) * len(sizes))
 
 
-def _find_velocity_change(grid, models, settings, tolerance, sizes):
-    """Find the velocity change that snaps, by short pulses, m/s, (..., *sizes, C)."""
+def _find_velocity_change(grid, model, models, settings, tolerance, sizes):
+    """Find the velocity change that snaps, by short pulses, m/s, (..., *sizes, C).
+
+    It is kept, as it takes half the time of a single threshold, and f0 does not matter.
+    """
     device, area = grid.device, np.array([pulse.area for pulse in grid.pulses])
     frequency, of_beam = device.own_frequency, device.beam.bending_frequency
     fast = np.maximum(IMPULSE * frequency, IMPULSE_OF_BEAM * of_beam)
     # A force does not shake the frame, and so changes no velocity of it.
     pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
-    N = _lowest_of(grid, models, settings, tolerance, fast, pushes, is_short=True)
+    find = partial(_lowest_of, grid, models, settings, tolerance, fast, pushes, is_short=True)
+    axes = [(key, tuple(values)) for key, values in grid.axes.items() if key != "f0"]
+    others = *axes, grid.device_of.tobytes(), grid.pulses, settings, tolerance
+    N = kept(find, device, model, "short pulses", *others)
     scale = _spread(grid, device.gravity * (2 * np.pi / fast), sizes) * abs(area).reshape(sizes)
     return N * scale[..., np.newaxis]
 
