@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -35,12 +36,18 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
 
 
 def variables(product: str) -> dict[str, dict]:
-    """Read the CF attributes of a product's variables, by name; title and summary are under ""."""
+    """Give the CF attributes of a product's variables, by name; title and summary are under ""."""
+    return {row["name"]: _attributes(**row) for row in _rows() if row["product"] == product}
+
+
+@cache
+def _rows():
+    """Read all rows of all tables."""
     rows = []
     for path in TABLES:
         with open(path, encoding="utf-8") as file:
-            rows += [row for row in csv.DictReader(file) if row.pop("product") == product]
-    return {row.pop("name"): _attributes(**row) for row in rows}
+            rows += csv.DictReader(file)
+    return rows
 
 
 def flags(words: Sequence[str]) -> dict:
@@ -48,6 +55,6 @@ def flags(words: Sequence[str]) -> dict:
     return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
 
 
-def _attributes(flag_meanings, **texts):
+def _attributes(product, name, flag_meanings, **texts):
     attributes = {key: text for key, text in texts.items() if text}
     return attributes | (flags(flag_meanings.split()) if flag_meanings else {})

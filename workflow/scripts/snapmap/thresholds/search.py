@@ -135,10 +135,11 @@ def observer(
     settings = settings._replace(until=until, repeat=False)
 
     def observe(N):
-        known = np.isfinite(N)
+        known, t_snap, lowest = np.isfinite(N), *np.full((2, *N.shape), np.nan)
+        if not known.any():
+            return Approach(t_snap, lowest)
         runs = model.follow(rows.cells(model.device, N, settings.horizon).take(known), settings)
         lost = np.isnan(runs.t_snap) & ~(runs.energy_error <= settings.energy_tolerance)
-        t_snap, lowest = np.full((2, *N.shape), np.nan)
         t_snap[known], lowest[known] = np.where(lost, -np.inf, runs.t_snap), runs.lowest
         return Approach(t_snap, lowest)
 

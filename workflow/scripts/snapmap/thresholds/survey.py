@@ -159,6 +159,8 @@ def survey(
 
 def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
     """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
+    if not rows.f0.size:
+        return np.empty(0)
     bound = lower_bound(models, rows, settings)
     # With `highest` = 0, islands far above the first N that snaps do not count.
     changes = find_changes(models, rows, settings, tolerance, 0.0, bound)
