@@ -2,44 +2,31 @@
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import fields
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
 from ..device.device import Device
 
-Made = TypeVar("Made")
 FEW, MOST = 16, 16
 """Most devices of a batch for which something is kept, and most things that are kept."""
-_kept: dict[Hashable, object] = {}
+_kept: dict[Hashable, Any] = {}
+forget = _kept.clear
 
 
-def kept(
-    make: Callable[[], Made], device: Device, model: Mapping, what: str, *others: Hashable
-) -> Made:
-    """Give what `make` makes, or what it made of the same device, model, `what` and others before.
+def kept(make: Callable[[], Any], device: Device, model: Mapping, *others: Hashable) -> Any:
+    """Give what `make` makes, or what it made for equal arguments before.
 
-    model: name and options; nothing is kept of a user's laws
-    others: all else on which the result depends
+    model: name and options; of laws nothing is kept; others: all else that it depends on
     """
     if len(device) > FEW or "laws" in model:
         return make()
-    key = _values(device), tuple(model.items()), what, others
+    parts = device.beam, device
+    values = [getattr(part, field.name) for part in parts for field in fields(part)]
+    values = [np.asarray(value, float) for value in values if value is not device.beam]
+    key = *((value.shape, value.tobytes()) for value in values), *model.items(), *others
     if key not in _kept:
         if len(_kept) >= MOST:
             del _kept[next(iter(_kept))]
         _kept[key] = make()
     return _kept[key]
-
-
-def forget() -> None:
-    """Keep nothing of what was made before."""
-    _kept.clear()
-
-
-def _values(device):
-    """Give the values of a device or a batch, which has another shape, as a key."""
-    parts = device.beam, device
-    values = [getattr(part, field.name) for part in parts for field in fields(part)]
-    numbers = (np.asarray(value, float) for value in values if value is not device.beam)
-    return np.shape(device.mass), *(column.tobytes() for column in numbers)

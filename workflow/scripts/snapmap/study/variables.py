@@ -23,7 +23,7 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     Attributes that a variable has already are kept.
     """
     about = variables(product)
-    head = about.pop("")
+    head = about[""]
     for key, variable in dataset.variables.items():
         variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
     return dataset.assign_attrs(
@@ -35,19 +35,14 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     )
 
 
-def variables(product: str) -> dict[str, dict]:
-    """Give the CF attributes of a product's variables, by name; title and summary are under ""."""
-    return {row["name"]: _attributes(**row) for row in _rows() if row["product"] == product}
-
-
 @cache
-def _rows():
-    """Read all rows of all tables."""
+def variables(product: str) -> Mapping[str, dict]:
+    """Read the CF attributes of a product's variables, by name; title and summary are under ""."""
     rows = []
     for path in TABLES:
         with open(path, encoding="utf-8") as file:
-            rows += csv.DictReader(file)
-    return rows
+            rows += [row for row in csv.DictReader(file) if row.pop("product") == product]
+    return {row.pop("name"): _attributes(**row) for row in rows}
 
 
 def flags(words: Sequence[str]) -> dict:
@@ -55,6 +50,6 @@ def flags(words: Sequence[str]) -> dict:
     return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
 
 
-def _attributes(product, name, flag_meanings, **texts):
+def _attributes(flag_meanings, **texts):
     attributes = {key: text for key, text in texts.items() if text}
     return attributes | (flags(flag_meanings.split()) if flag_meanings else {})
