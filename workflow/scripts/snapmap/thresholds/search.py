@@ -8,7 +8,7 @@ import numpy as np
 
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import THRESHOLD_TOLERANCE, Run
 
 SCAN_STEP = 0.03
 """Relative step of the amplitudes in a first scan."""
@@ -105,7 +105,7 @@ def lowest_snap(
     model: Follows,
     rows: Rows,
     bracket: tuple[np.ndarray, np.ndarray],
-    settings: Settings,
+    settings: Run,
     tolerance: float = THRESHOLD_TOLERANCE,
     step: float = SCAN_STEP,
 ) -> np.ndarray:
@@ -122,17 +122,17 @@ def lowest_snap(
     return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
 
 
-def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -> Ask:
+def asker(model: Follows, rows: Rows, settings: Run, until: str = "edge") -> Ask:
     """Make the function that tells when cells of rows snap; until: as in `settings.QUESTION`."""
     observe = observer(model, rows, settings, until)
     return lambda N: observe(N).t_snap
 
 
 def observer(
-    model: Follows, rows: Rows, settings: Settings, until: str = "edge"
+    model: Follows, rows: Rows, settings: Run, until: str = "edge"
 ) -> Callable[[np.ndarray], Approach]:
     """Make the function of N, (rows, n), that tells how near cells come to a snap."""
-    settings = settings._replace(until=until, repeat=False)
+    settings = settings.but(until=until, repeat=False)
 
     def observe(N):
         known, t_snap, lowest = np.isfinite(N), *np.full((2, *N.shape), np.nan)
@@ -338,7 +338,7 @@ def walk(
 
 
 def nearby(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray, tolerance: float
+    model: Follows, rows: Rows, settings: Run, expected: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find a threshold close to where it is expected, between two neighbours on `refine`'s lattice.
 

@@ -10,16 +10,16 @@ import numpy as np
 import xarray as xr
 
 from ..device import argument
-from ..device.quantities import plain
+from ..files.text import plain
 from ..pulse.pulse import blow_at
 from ..solver.adaptive import Survey, choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.kept import kept
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from ..study import arguments
 from ..study.axes import Grid, rows_of
-from ..study.study import THRESHOLD_SETTINGS, Study, study_of
+from ..study.study import OF_THRESHOLDS, Study, study_of
 from ..study.variables import dress, flags
 from .cost import tell_cost
 from .search import nearby
@@ -108,8 +108,8 @@ def thresholds_of(
 
     axes: values of the device, C and f0, by name; tolerance, highest: as for `threshold`
     """
-    settings = study.settings
-    document = study.document(THRESHOLD_SETTINGS)
+    settings = study.run
+    document = study.document(OF_THRESHOLDS)
     document["sweep"]["threshold_tolerance"] = tolerance
     grid, rows, models, columns = _search(study, axes, tolerance, highest)
     columns["N_bound"][least_amplitudes(models.decides, rows, settings.start) == 0] = np.nan
@@ -137,7 +137,7 @@ def first_snaps(
 
 def _search(study, axes, tolerance, highest=None):
     """Find the thresholds of a study; returns grid, rows, models and variables, (rows, ...)."""
-    settings, grid = study.settings, study.set_out(axes)
+    settings, grid = study.run, study.set_out(axes)
     models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
     parts, searched = split_rows(grid, rows)
     tell_cost(models, rows.take(searched), settings)
@@ -205,7 +205,7 @@ def find_thresholds(
     models: Survey,
     rows: Rows,
     parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]],
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     highest: float | None = None,
 ) -> dict[str, np.ndarray]:
@@ -324,7 +324,7 @@ def _limits(grid, study, models, tolerance):
     first, last = grid.device_of.ndim, len(grid.axes) - 2
     dims, sizes = tuple(grid.axes), grid.shape[first:last]
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
-    options = models, study.settings, tolerance
+    options = models, study.run, tolerance
     velocity = _find_velocity_change(single, study.model, *options, sizes)
     impact = np.array([pulse.impact for pulse in grid.pulses])
     return {

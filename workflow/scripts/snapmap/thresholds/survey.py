@@ -19,7 +19,7 @@ from ..solver.adaptive import Survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .search import (
     SCAN_STEP,
     TOGETHER,
@@ -131,7 +131,7 @@ class Changes(NamedTuple):
 def survey(
     models: Survey,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     tolerance: float = THRESHOLD_TOLERANCE,
     highest: float | None = None,
 ) -> Thresholds:
@@ -157,7 +157,7 @@ def survey(
     return thresholds
 
 
-def lowest(models: Survey, rows: Rows, settings: Settings, tolerance: float) -> np.ndarray:
+def lowest(models: Survey, rows: Rows, settings: Run, tolerance: float) -> np.ndarray:
     """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
     if not rows.f0.size:
         return np.empty(0)
@@ -238,7 +238,7 @@ def with_rows(
     return values
 
 
-def lower_bound(models: Survey, rows: Rows, settings: Settings) -> np.ndarray:
+def lower_bound(models: Survey, rows: Rows, settings: Run) -> np.ndarray:
     """Bound N that snap from below, (rows,): by energy, and by a small share of the static one."""
     bound = least_amplitudes(models.decides, rows, settings.start)
     return np.maximum(bound, 1e-4 * models.static[rows.device])
@@ -247,7 +247,7 @@ def lower_bound(models: Survey, rows: Rows, settings: Settings) -> np.ndarray:
 def find_changes(
     models: Survey,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     highest: float | None,
     bound: np.ndarray,
@@ -303,7 +303,7 @@ def scan_range(device, static, rows, bound, start=FIRST) -> tuple[np.ndarray, np
     """Choose the lowest and the highest N of the first scan, (rows,): around any threshold.
 
     static: threshold of slow pulses, multiples of g, (devices,)
-    bound: N below which nothing can snap, (rows,); start: as in `Settings`
+    bound: N below which nothing can snap, (rows,); start: as in `Run`
     A pulse amplifies by at most its variation (2 or more): the scan begins at two thirds of the
     static threshold over that. It ends at five times the static threshold, and higher for short
     pulses, by their change of velocity, and damped masses. A record that goes back and forth counts
@@ -438,7 +438,7 @@ def _begins(scanned, window):
 def look_closely(
     model: Follows,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     rings: np.ndarray,
     low: np.ndarray,
@@ -463,7 +463,7 @@ def look_closely(
 def refine_edges(
     model: Follows,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     edges: Edges,
     which: np.ndarray,
@@ -478,7 +478,7 @@ def refine_edges(
 def close_edges(
     model: Follows,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     low: np.ndarray,
     high: np.ndarray,
     sides: tuple[int, ...] = (-1, 1),
@@ -535,7 +535,7 @@ def _out_of_order(nearer, beside=2):
 def compare(
     models: Survey,
     rows: Rows,
-    settings: Settings,
+    settings: Run,
     tolerance: float,
     changes: Changes,
     N_first: np.ndarray,
