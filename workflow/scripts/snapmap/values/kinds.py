@@ -217,7 +217,7 @@ class Several(Kind):
         """Convert a list or a range of a config to an ascending row, (n,)."""
         if isinstance(value, Mapping):
             values = self._spaced(value)
-        elif not isinstance(value, list) or not value:
+        elif not isinstance(value, list | tuple) or not value:
             raise ValueError(f"{describe(value)} is not {self.asks}")
         else:
             values, faults = [], []

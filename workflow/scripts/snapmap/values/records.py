@@ -54,7 +54,9 @@ def record(made: type[Made]) -> type[Made]:
     made.__repr__ = _write
     made.__pydantic_config__ = {"extra": "forbid", "use_attribute_docstrings": True}
     made.__get_pydantic_core_schema__ = classmethod(_explained)
+    words = made.__doc__
     made = dataclass(frozen=True, repr=False)(made)
+    made.__doc__ = words  # which is no signature, also where python -OO has no docstrings
     made.__init__ = _converting(made.__init__, [field.name for field in fields(made)])
     return made
 
@@ -188,9 +190,8 @@ def _explained(made, source, handler):
             section = inner(values)
         except ValidationError as error:
             for detail in error.errors():
-                lines = _lines(made, detail)
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
-                    faults[detail["loc"]] = lines
+                    faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
             return section
         errors = [
@@ -205,11 +206,6 @@ def _explained(made, source, handler):
         raise ValidationError.from_exception_data(made.__name__, errors)
 
     return with_info_wrap_validator_function(explain, handler(source))
-
-
-def _escape(line):
-    """Escape a line that pydantic takes for a template."""
-    return line.replace("{", "{{")
 
 
 def _path(key):
