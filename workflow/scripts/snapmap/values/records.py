@@ -186,6 +186,9 @@ def _explained(made, source, handler):
             return values
         if isinstance(values, Mapping):
             faults = {_path(key): [line] for key, line in beside(made, values).items()}
+            empty = [key for key in values if key in hints(made) and values[key] is None]
+            faults |= {(key,): _wrong(made, key, None) for key in empty}
+            values = {key: value for key, value in values.items() if key not in empty}
         try:
             section = inner(values)
         except ValidationError as error:
@@ -226,8 +229,12 @@ def _lines(made, detail):
             return [f"missing; write {need_of(hints(made)[first])}"]
         case "extra_forbidden" | "unexpected_keyword_argument" | "invalid_key":
             return [f"unknown key; known here are {_nearest(first, hints(made))}"]
-    need = need_of(hints(made)[first]) if first in hints(made) else need_of(made)
-    return [f"{describe(detail['input'])} is not {need}"]
+    return _wrong(made, first, detail["input"])
+
+
+def _wrong(made, key, value):
+    need = need_of(hints(made)[key]) if key in hints(made) else need_of(made)
+    return [f"{describe(value)} is not {need}"]
 
 
 def _nearest(key, known):
