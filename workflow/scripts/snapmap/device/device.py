@@ -5,7 +5,7 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 
 import numpy as np
 
@@ -107,6 +107,8 @@ class Device:
 
     def __post_init__(self):
         """Complete what follows from other values; ValueError if some do not fit each other."""
+        if not np.any(self.force):  # under which gravity has no effect
+            warn_of_si("", "gravity", vars(self), UNITS)
         alone = np.equal(self.mass, 0)
         if np.all(alone):
             far = np.full(np.shape(self.mass), math.inf) if np.ndim(self.mass) else math.inf
@@ -120,8 +122,6 @@ class Device:
         require(alone | np.isfinite(self.gap), far, self.gap)
         pushed = "force: {:g} uN acts on a beam without a mass; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
-        if not np.any(self.force):  # under which gravity has no effect
-            warn_of_si("", "gravity", vars(self), UNITS)
         if np.any(self.has_electrode):
             closed = "contact_at: {:g} um is not below the midpoint at rest, {:g} um"
             rest = self.beam.height
@@ -218,7 +218,7 @@ def is_none(mass: object) -> bool:
     if isinstance(mass, str):
         return mass == "none"
     numbers = plain_numbers(mass)
-    return numbers is not None and not np.any(numbers)
+    return numbers is not None and numbers.size > 0 and not np.any(numbers)
 
 
 _KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}
