@@ -3,19 +3,22 @@
 import re
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from conserving_loop import assert_followed
 from varied import in_steps, varied
 
-import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.kernel import rows as R
+from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
-from snapmap.solver.plain_loop import System, follow, nodal_system
+from snapmap.solver.nodal import System, nodal_system
+from snapmap.solver.options import Cosines
+from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -27,7 +30,7 @@ def march(device, N, f0, C, dt, duration, target=-np.inf, change=lambda system: 
     history = np.zeros((steps, 2 * basis.load.size + 4))
     system = change(nodal_system(device, basis))
     shock = make_pulse().curve, N * device.gravity, f0
-    result = follow(system, *shock, C, target, dt, steps, history)
+    result = follow(system, CellRun(*shock, C, target, dt, steps, history))
     return np.arange(steps) * dt, history, result
 
 
@@ -119,7 +122,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
         fix_step(step)
-        run = snapmap.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
+        run = flat.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
         early = run.sel(time=slice(20, 300))
         assert (early.contact_force > 0).all()
         end = run[["w_mid", "z_mass"]].interp(time=300.0, method="cubic")
@@ -131,7 +134,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
 def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
     devices = (varied(handout, contact=contact) for contact in (np.inf, 1e12))
-    hard, stiff = (build_model(device, "cosines", modes=5) for device in devices)
+    hard, stiff = (build_model(device, Cosines(modes=5)) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
     t_snaps = [model.follow(cells, Run(300.0, until="snap")).t_snap for model in (hard, stiff)]
@@ -171,7 +174,9 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     bounds = {"LANES", "STATE", "VECTORS"}
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)
-    assert set(in_plain_loop) <= {*System._fields, *follow.py_func.__code__.co_varnames}
+    of_loop = {*CellRun._fields, *Ledger._fields}
+    of_loop |= {*System._fields, *follow.py_func.__code__.co_varnames}
+    assert set(in_plain_loop) <= of_loop
 
 
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):

@@ -11,6 +11,7 @@ from ...solver.kernel import rows as R
 from ...solver.kernel.lanes import load
 from ...solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from ...solver.kernel.trace import keep_block
+from ...solver.ledger import CellRun
 from ...solver.models import Model
 from ...solver.plain_loop import follower, starting
 from ...solver.settings import FIRST
@@ -122,8 +123,8 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
 def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
-    run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
-    follower(model.laws)(*run)
+    run = CellRun(pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    follower(model.laws)(system, run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,
