@@ -36,7 +36,7 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     adaptive, cells = build_adaptive(device), own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
     check, top = (
-        np.isfinite(level.follow(cells, SNAP._replace(until=until)).t_snap)
+        np.isfinite(level.follow(cells, SNAP.but(until=until)).t_snap)
         for level, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
     )
     wrong = np.isfinite(seen.t_snap) != top
