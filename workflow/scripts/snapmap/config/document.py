@@ -25,6 +25,8 @@ from .shocks import TIMED, PulseSection, one_time
 
 AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
 """Names of axes of figures."""
+OF_SNAKEMAKE = "threads"
+"""The value of a run that no config has."""
 
 
 class AxisName(Kind):
@@ -163,8 +165,8 @@ class Core:
             if not (isinstance(name, str) and re.fullmatch("[A-Za-z][A-Za-z0-9_-]{0,30}", name)):
                 need = "a name of letters, digits, - and _, at most 31 of them"
                 faults["devices", name] = f"{describe(name)} is not {need}"
-        if isinstance(run := written.get("run"), Mapping) and "threads" in run:
-            faults["run", "threads"] = "is given to Snakemake, as --cores; leave it out"
+        if isinstance(run := written.get("run"), Mapping) and OF_SNAKEMAKE in run:
+            faults["run", OF_SNAKEMAKE] = "is given to Snakemake, as --cores; leave it out"
         if isinstance(sweep := written.get("sweep"), Mapping):
             pulse = written.get("pulse")
             itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)
