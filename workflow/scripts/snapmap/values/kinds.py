@@ -178,7 +178,9 @@ class Quantity(Kind):
         else:
             some = [{"type": "number"}, {"type": "string", "pattern": rf"^{number}\s*$"}]
         some += [{"enum": [word for word, _ in self.words]}] if self.words else []
-        about = {"title": self.asks} | ({"examples": [self.example]} if self.example else {})
+        such = f", such as {self.example}" if self.example else ""
+        about = {"title": self.asks, "errorMessage": f"write {self.asks}{such}"}
+        about |= {"examples": [self.example]} if self.example else {}
         return about | (some[0] if len(some) == 1 else {"anyOf": some})
 
 

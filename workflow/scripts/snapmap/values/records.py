@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
+from itertools import pairwise
 from math import inf
 from textwrap import dedent
 from typing import (
@@ -323,6 +324,8 @@ def need_of(hint: object) -> str:
         return kind.asks
     if words := next((get_args(part) for part in parts if get_origin(part) is Literal), ()):
         return f"one of {', '.join(map(str, words))}"
+    if str in parts:
+        return "text"
     if holder := record_in(hint):
         words = re.split("[;\n]", summary(holder))[0].rstrip(".")
         return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
@@ -348,7 +351,7 @@ def _written_in(made):
     body = ast.parse(dedent(inspect.getsource(made))).body[0].body
     return {
         field.target.id: " ".join(said.value.value.split())
-        for field, said in zip(body, body[1:], strict=False)
+        for field, said in pairwise(body)
         if isinstance(field, ast.AnnAssign) and isinstance(said, ast.Expr)
     }
 
@@ -391,7 +394,17 @@ def _described(made, core, handler):
         about |= {} if row.default is None else {"default": row.default}
         if row.required or "const" in about:
             whole["required"].append(row.key)
+    if instead := {key: others for key, others in _instead(made).items() if others}:
+        whole["allOf"] = [
+            {"anyOf": [{"required": [key]}, *map(_has, others)]} for key, others in instead.items()
+        ]
     return described
+
+
+def _has(part):
+    """Describe a section that has a value; {} is any."""
+    ((key, value),) = part.items()
+    return {"required": [key]} | ({"properties": {key: {"const": value}}} if value else {})
 
 
 class Row(NamedTuple):
@@ -409,23 +422,25 @@ class Row(NamedTuple):
 
 def rows(made: type) -> Iterator[Row]:
     """Yield a row for each key of a record."""
-    missing = _always_missing(made)
+    instead = _instead(made)
     for field in fields(made):
         hint = hints(made)[field.name]
-        needed = _is_required(made, field.name) or field.name in missing
+        needed = _is_required(made, field.name) or instead.get(field.name) == []
         what = sentences(made).get(field.name, "")
         yield Row(field.name, what, need_of(hint), _default(field.default, hint), needed)
 
 
-def _always_missing(made):
-    """Find the keys that `beside` misses whatever other key is there."""
-    found = set(beside(made, {}))
+def _instead(made):
+    """Find, for each key that an empty section misses, what can stand in its place."""
+    written = []
     for key, hint in hints(made).items():
         kind = kind_of(hint)
         words = kind.words if isinstance(kind, Quantity) else ()
-        written = {key: words[0][0] if words else {}}
-        found &= {key, *beside(made, written)}
-    return found
+        written.append({key: words[0][0] if words else {}})
+    return {
+        key: [part for part in written if key not in {**part, **beside(made, part)}]
+        for key in beside(made, {})
+    }
 
 
 def _default(default, hint):
