@@ -93,7 +93,7 @@ class Pulse:
     Examples
     --------
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
-    >>> saw.at(50.0).item()
+    >>> saw.at(0.125).item()
     0.5
     """
 
