@@ -55,7 +55,7 @@ ELSEWHERE = {
     "test_the_recipes_in_python_run": ["python"],
     "test_the_reference_is_what_the_docstrings_say": ["python docs/make_reference.py"],
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
-    "test_the_types_of_beam_and_solver_fit": ["mypy"],
+    "test_the_types_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": [
         "python -m snapmap.workflow.command check config.yaml"
     ],

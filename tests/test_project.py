@@ -138,7 +138,7 @@ def test_a_missing_package_is_named_with_its_extra(pyproject):
     assert {key.replace("yaml", "pyyaml"): extra for key, extra in EXTRAS.items()} == named
 
 
-def test_the_types_of_beam_and_solver_fit(root):
+def test_the_types_fit(root):
     """The command of CONTRIBUTING: 1 s, and 10 s where it has not run before."""
     pytest.importorskip("mypy")
     done = subprocess.run([sys.executable, "-m", "mypy"], cwd=root, capture_output=True, text=True)

@@ -18,8 +18,10 @@ from snapmap.config.doubts import doubts
 from snapmap.config.study import load_config
 from snapmap.config.vibrations import vibrations
 from snapmap.pulse.pulse import make_pulse
+from snapmap.solver.ledger import CellRun
 from snapmap.solver.models import build_model
-from snapmap.solver.plain_loop import follow, nodal_system
+from snapmap.solver.nodal import nodal_system
+from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import MOVE
 
 SWEEP = "sweep: {N: [900, 1000], f0: [1500 Hz], horizon: 100 us}"
@@ -69,7 +71,7 @@ def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(valu
     history = np.zeros((round(300.0 / dt), 2 * n + 4))
     # A weak, short push: the mass stays away, and the beam's motion is linear.
     push = make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0
-    follow(system, *push, -np.inf, dt, len(history), history)
+    follow(system, CellRun(*push, -np.inf, dt, len(history), history))
     dense, _ = symmetric_mode(device.beam, elements=20)
     # Ten elements leave 1e-4 of what twenty have almost to the end: order 4.
     assert natural_frequency(device.beam) == pytest.approx(dense, rel=1.5e-4)

@@ -21,13 +21,13 @@ from snapmap.config.yaml_file import ConfigError
 from snapmap.device.device import batch
 from snapmap.files.named import sha256_of
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver import plain_loop
+from snapmap.solver import lawful_loop, plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.laws import LAWS, Laws, load_laws
 from snapmap.solver.models import build_model
+from snapmap.solver.nodal import nodal_system
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
-from snapmap.solver.plain_loop import nodal_system
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -229,7 +229,7 @@ def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
     def solver(cell, step):
         raise [KeyError, SystemExit][cell.f0 > 0.002]("deep\nhole")
 
-    monkeypatch.setattr(plain_loop, "follow_laws", lambda *run: run[-3](*run[:3]))
+    monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
     with pytest.raises(ValueError, match=r"\Amodel\.laws: damping: damping: ValueError: deep\Z"):
         plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
     for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):

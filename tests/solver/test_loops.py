@@ -14,8 +14,10 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.kernel import rows as R
+from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
-from snapmap.solver.plain_loop import System, follow, nodal_system
+from snapmap.solver.nodal import System, nodal_system
+from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -27,7 +29,7 @@ def march(device, N, f0, C, dt, duration, target=-np.inf, change=lambda system: 
     history = np.zeros((steps, 2 * basis.load.size + 4))
     system = change(nodal_system(device, basis))
     shock = make_pulse().curve, N * device.gravity, f0
-    result = follow(system, *shock, C, target, dt, steps, history)
+    result = follow(system, CellRun(*shock, C, target, dt, steps, history))
     return np.arange(steps) * dt, history, result
 
 
@@ -171,7 +173,9 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     bounds = {"LANES", "STATE", "VECTORS"}
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)
-    assert set(in_plain_loop) <= {*System._fields, *follow.py_func.__code__.co_varnames}
+    of_loop = {*CellRun._fields, *Ledger._fields}
+    of_loop |= {*System._fields, *follow.py_func.__code__.co_varnames}
+    assert set(in_plain_loop) <= of_loop
 
 
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):

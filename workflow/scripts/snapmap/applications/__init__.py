@@ -8,9 +8,12 @@ a figure or a public function of an application is gone once its line is gone.
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from .application import Application
+
+if TYPE_CHECKING:
+    from ..config.study import Config
 
 T = TypeVar("T")
 FOLDERS = (
@@ -52,7 +55,7 @@ def observers() -> list[Callable]:
     return [application.observe for application in attached().values()]
 
 
-def refuse_all(study: object) -> None:
+def refuse_all(study: "Config") -> None:
     """Refuse a study before its first job; a ValueError, one line, names the key."""
     for key, application in attached().items():
         try:

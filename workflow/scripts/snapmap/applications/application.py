@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..solver.cells import Cells, Observations
     from ..solver.models import Follows
     from ..solver.settings import Run
+    from ..study.study import Study
 
 Files = Mapping[str, str | list[str]]
 """Path, or paths, of files by name."""
@@ -141,13 +142,13 @@ class Application:
         """Core time that `observe` takes for each cell, s."""
         return 0.0
 
-    def in_history(self, model: Follows, cells: Cells, settings: Run) -> Mapping[str, float]:
+    def in_history(self, model: Follows, cells: Cells, settings: Run) -> Mapping[str, Any]:
         """Attributes that it adds to the history of a cell."""
         return {}
 
     def in_statics(
         self, device: Device, first: float, displacement: np.ndarray, force: np.ndarray
-    ) -> Mapping[str, float]:
+    ) -> Mapping[str, Any]:
         """Attributes that it adds to statics.
 
         Parameters
@@ -159,7 +160,7 @@ class Application:
         """
         return {}
 
-    def in_datasheet(self, study: Config, rows: Sequence[Mapping]) -> Sequence[str]:
+    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> Sequence[str]:
         """Tables that it adds to a data sheet; rows: verdicts, worst first."""
         return ()
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -52,7 +53,7 @@ class Config(Study):
 
     grid: Grid
     shock: dict
-    requests: dict[str, object]
+    requests: dict[str, Any]
     threshold_tolerance: float
     maps: tuple[View, ...]
     curves: tuple[View, ...]

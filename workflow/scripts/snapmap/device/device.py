@@ -28,6 +28,7 @@ from ..values.quantities import (
     WeibullModulus,
 )
 from ..values.records import assemble, hints, record
+from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
 from .usual import require, warn_of_si
 
@@ -101,15 +102,16 @@ class Device:
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
         """Find values that a device lacks, or has too many, with a mass or without one."""
-        alone = written.get("mass") in ("none", 0)
+        mass, force = written.get("mass"), plain_numbers(written.get("force", 0.0))
+        alone = mass == "none" if isinstance(mass, str) else _is_all(mass, 0.0)
         needs = {key: f"missing; write {kind_of(hints(cls)[key]).asks}" for key in NEEDED}
         needed = [*(() if alone else NEEDED[:2]), *(() if "force" in written else NEEDED[2:])]
         faults = {key: needs[key] for key in needed if key not in written}
-        if alone:
-            extra = [key for key in (*OF_MASS, *MORE_OF_MASS) if key != "mass" and key in written]
-            own = [key for key in extra if written[key] != ALONE.get(key, _DEFAULTS.get(key))]
-            faults |= dict.fromkeys(own, "needs a mass; leave it out")
-        if "force" in written and written["force"] != 0 and written.get("gravity", 1.0) != 1.0:
+        for key in (key for key in OF_MASS if alone and key != "mass" and key in written):
+            if not _is_all(written[key], ALONE.get(key, _DEFAULTS[key])):
+                faults[key] = "needs a mass; leave it out"
+        pushed = "force" in written and (force is None or np.any(force))
+        if pushed and not _is_all(written.get("gravity", 1.0), 1.0):
             more = "excludes force, as N counts multiples of either; write one of them"
             faults["gravity"] = more
         return faults
@@ -222,7 +224,14 @@ class Device:
 
 
 NEEDED = ("spring", "contact", "gravity")
-MORE_OF_MASS = ("quality_factor",)
+
+
+def _is_all(value, number):
+    """Tell whether a value is a number, or an array of it."""
+    numbers = plain_numbers(value)
+    return numbers is not None and bool(np.all(np.equal(numbers, number)))
+
+
 _DEFAULTS = {field.name: field.default for field in fields(Device)}
 _KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}
 KINDS = {key: kind for key, kind in _KINDS.items() if isinstance(kind, Quantity)}

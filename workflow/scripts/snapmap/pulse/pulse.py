@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 
 from ..files.tables import require_rising
 from ..files.text import show
-from ..numerics import portable
+from ..numerics.portable import sines
 from ..values.kinds import Fitting, Single, Word
 from ..values.quantities import Share
 from ..values.records import record
@@ -186,7 +186,7 @@ class Pulse:
         length = np.diff(begin, append=1.0)
         lines = length * (value + lift + slope * length / 2)
         phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
-        sine, cosine = (np.vectorize(portable.sine)(turns * length + turn) for turn in (0.0, 0.25))
+        sine, cosine = (sines(turns * length + turn) for turn in (0.0, 0.25))
         waves = (swing * (1 - cosine) - lift * sine) / phase
         return lines + np.where(turns > 0, waves, 0.0)
 
@@ -210,8 +210,8 @@ class Pulse:
     def is_smooth(self) -> bool:
         """Whether neither value nor slope jumps anywhere, which would make the beam ring."""
         begin, _, slope, turns, lift, swing = self.pieces.T
-        ends, place = np.unique(turns * np.diff(begin, append=1.0), return_inverse=True)
-        sine, cosine = (np.vectorize(portable.sine)(ends + turn)[place] for turn in (0.0, 0.25))
+        ends = turns * np.diff(begin, append=1.0)
+        sine, cosine = (sines(ends + turn) for turn in (0.0, 0.25))
         rate = 2 * np.pi * turns
         first, last = slope + rate * swing, slope + rate * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
@@ -248,9 +248,9 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        a, sine = value + slope * s, np.vectorize(portable.sine)
+        a = value + slope * s
         if turns.any():
-            a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
+            a = a + lift * (2 * sines(turns * s * 0.5) ** 2) + swing * sines(turns * s)
         return np.where((x >= 0) & (x <= 1), a, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float, gravity: float) -> list[str]:
@@ -407,6 +407,7 @@ def _flat_top(time, values):
     return spans[0] if spans[0] > FLAT_SHARE * spans[1] else 0.0
 
 
+@cache
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
     """Make a pulse of one of SHAPES, by name; shares: rise and fall of a trapezoid."""
     return Pulse(shape, np.array(SHAPES[shape](**shares)), section={"shape": shape, **shares})

@@ -157,8 +157,8 @@ class Batch:
             part = required.shaken(study)
             rows = to_rows(0, required.f0, C, 0, required.shocks.pulses)
             rows = self._rows(rows).take(slice(N.size))
-            cells = rows.cells(device, required.N * N, part.settings.horizon).flat()
-            largest = largest_stress(device, part.model, cells, part.settings)
+            cells = rows.cells(device, required.N * N, part.run.horizon).flat()
+            largest = largest_stress(device, part.model, cells, part.run)
             stress.append(largest.reshape(size, len(C)))
         return np.array(stress)
 

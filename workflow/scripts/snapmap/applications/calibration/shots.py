@@ -137,16 +137,17 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
         raise ValueError(
             f"shots: all {tripped.size} {what}; a threshold needs shots of both outcomes"
         )
-    known, keys, N = {}, [], []
+    known: dict[tuple, Group] = {}
+    keys, levels = [], []
     for i in range(tripped.size):
         row = {key: values[i] for key, values in columns.items()}
         row = {key: value for key, value in row.items() if value == value and value != ""}
         try:
             keys.append(_group(row, shocks, known))
-            N.append(_level(row, known[keys[-1]].pulse, device))
+            levels.append(_level(row, known[keys[-1]].pulse, device))
         except ValueError as error:
             raise ValueError(f"shots, row {i + 1}: {error}") from None
-    N, group = np.array(N), np.array([list(known).index(key) for key in keys])
+    N, group = np.array(levels), np.array([list(known).index(key) for key in keys])
     shots = Shots(N, tripped, group, tuple(known.values()))
     against = []
     for number in range(len(known)):

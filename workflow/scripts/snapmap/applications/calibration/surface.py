@@ -63,7 +63,9 @@ def surface_of(
     return surface
 
 
-def log_thresholds(study, groups, values, C):
+def log_thresholds(
+    study: Study, groups: Sequence[Group], values: Mapping[str, np.ndarray], C: float
+) -> np.ndarray:
     """Find ln N_first, (points, groups), at values of the unknowns by name, (points,)."""
     of_device = {key: column for key, column in values.items() if key != "C"}
     bistable = is_bistable(study.device, of_device, len(next(iter(values.values()))))

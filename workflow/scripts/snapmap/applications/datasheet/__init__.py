@@ -42,10 +42,17 @@ class Datasheet(Application):
 
         verdicts = read_verdicts(requirements_path)
         with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
-            sheet = {"made": batches, "title": study.title, "damper": study.units.get("C", DAMPER)}
-            sheet |= {"source": study.source}
-            devices, shocks = study.of_thresholds(), shocks_of(study)
-            write_text(datasheet(devices, verdicts, study.written, shocks, **sheet), path)
+            sheet = datasheet(
+                study.of_thresholds(),
+                verdicts,
+                study.written,
+                shocks_of(study),
+                made=batches,
+                title=study.title,
+                damper=study.units.get("C", DAMPER),
+                source=study.source,
+            )
+            write_text(sheet, path)
 
 
 application = Datasheet()

@@ -64,7 +64,7 @@ def datasheet(
     head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
     head += ["of devices as made", "margin", "the beam", "verdict"]
     head += ["strength over stress", "breaks"]
-    verdicts = [row | {"C": row["C"] / size} for row in verdicts]
+    verdicts = [{**row, "C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]

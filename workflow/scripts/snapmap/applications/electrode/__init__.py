@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..application import Application
@@ -15,13 +15,14 @@ if TYPE_CHECKING:
     from ...solver.cells import Cells, Observations
     from ...solver.models import Follows
     from ...solver.settings import Run
-    from ..requirements.corners import Verdict
+    from ...study.study import Study
 
 
 class Electrode(Application):
     def kinds(self) -> Mapping[str, Any]:
         """The section of shocks that must close the electrode, by keys that only it has."""
-        from .required import DEMANDS, ClosingSection
+        from .required import DEMANDS
+        from .sections import ClosingSection
 
         return dict.fromkeys(DEMANDS, ClosingSection)
 
@@ -52,7 +53,7 @@ class Electrode(Application):
         moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
         return (1 + 1 / REPEATED_STEP) * moved
 
-    def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, float]:
+    def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, Any]:
         """The place of the electrode, and the closures of a cell; empty without an electrode."""
         from .closures import follow_closures
 
@@ -64,7 +65,7 @@ class Electrode(Application):
 
     def in_statics(
         self, device: Device, first: float, displacement: np.ndarray, force: np.ndarray
-    ) -> dict[str, float]:
+    ) -> dict[str, Any]:
         """Place of the electrode, um, and the force of the beam on it, uN; 0 without contact."""
         import numpy as np
 
@@ -74,7 +75,7 @@ class Electrode(Application):
         # np.maximum keeps NaN.
         return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
 
-    def in_datasheet(self, study: Config, rows: list[Verdict]) -> list[str]:
+    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> list[str]:
         """A table of the closures under the worst corner of each required shock."""
         from .sheet import sections
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...numerics.linalg import dot
 from ...solver import simd_loop
 from ...solver.cells import Cells, Observations
-from ...solver.models import Follows, Model, deciders
+from ...solver.models import Follows, deciders
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import FIRST, Run
 
@@ -64,7 +64,7 @@ def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 # ASSUME: the electrode neither stops nor holds the beam, so it bounces as the free beam rings.
 def follow_closures(
-    model: Model, cells: Cells, window: np.ndarray, settings: Run
+    model: Follows, cells: Cells, window: np.ndarray, settings: Run
 ) -> dict[str, np.ndarray]:
     """Follow cells, (cells,), in the time steps of histories, each for its window, us.
 

@@ -1,19 +1,17 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, replace
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ...config.shocks import PulseSection
-from ...solver.settings import SECOND
-from ...study.study import ARRIVES, Study
-from ...values.quantities import PulseTime
-from ...values.records import record
+from ...study.study import Study
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import Judged, RequiredShock
-from ..requirements.sections import ShockSection
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 DEMANDS = "closes_within", "stays_closed"
 """Keys of a required closing."""
@@ -27,7 +25,7 @@ class RequiredClosing(RequiredShock):
     closes_within: float | None = None
     stays_closed: float | None = None
 
-    def check(self, study: Study, C: Sequence[float]) -> Judged:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge the shock, then its closures; further columns hold these with their margins."""
         demands = self.closes_within, self.stays_closed
         return [judge_closing(*judged, *demands) for judged in super().check(study, C)]
@@ -39,42 +37,6 @@ class RequiredClosing(RequiredShock):
             need = "write the place of the electrode, such as '-5 um'"
             raise ValueError(f"device.contact_at: missing, but {closing} needs it; {need}")
         super().require(study)
-
-
-@record
-class ClosingSection(ShockSection):
-    """A shock under which the device must close its electrode.
-
-    `snaps: true` counts as `arrives`.
-    """
-
-    kind: ClassVar[type[RequiredShock]] = RequiredClosing
-    _: KW_ONLY
-    closes_within: PulseTime | None = None
-    """longest time from the start of the shock until the beam closes"""
-    stays_closed: PulseTime | None = None
-    """least time until the beam opens again"""
-
-    @property
-    def demands(self) -> dict[str, float]:
-        """Those of DEMANDS that are written, us."""
-        demands = {key: getattr(self, key) for key in DEMANDS}
-        return {key: value for key, value in demands.items() if value is not None}
-
-    def __post_init__(self):
-        """Raise ValueError for what cannot be in any study."""
-        if self.snaps is False or self.start == SECOND:
-            more = ", and no start" if self.start == SECOND else ""
-            need = f"write snaps: true or any{more}"
-            raise ValueError(f"{next(iter(self.demands))}: needs a device that must trip; {need}")
-        super().__post_init__()
-
-    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
-        """Make the requirement of a study, as for any shock, with its DEMANDS."""
-        required = super().under(pulse, gravity)
-        # These say how long it must stay.
-        snaps = ARRIVES if self.snaps is True else self.snaps
-        return replace(required, snaps=snaps, **self.demands)
 
 
 def judge_closing(
@@ -101,7 +63,7 @@ def judge_closing(
         outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
         margins["stays_margin"] = closed / stays_closed
     worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
-    return verdict._replace(verdict=worst), closing | margins
+    return verdict._replace(verdict=worst), {**closing, **margins}
 
 
 def _kept(slack, error, verdict):

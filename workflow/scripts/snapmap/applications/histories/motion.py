@@ -1,15 +1,18 @@
 """The motion of one cell at every step, by the loop of its model."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from ...numerics.linalg import dot, multiply
-from ...pulse.pulse import table
+from ...pulse.pulse import Pulse, table
 from ...solver.kernel import rows as R
 from ...solver.kernel.lanes import load
 from ...solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from ...solver.kernel.trace import keep_block
+from ...solver.ledger import CellRun
+from ...solver.models import Model
 from ...solver.plain_loop import follower, starting
 from ...solver.settings import FIRST
 from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
@@ -49,7 +52,16 @@ class Form(NamedTuple):
     shapes: np.ndarray
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
+def record(
+    model: Model,
+    pulse: Pulse,
+    amplitude: float,
+    f0: float,
+    damping: float,
+    dt: float,
+    steps: int,
+    start: str = FIRST,
+) -> tuple[Form, Iterator[Motion]]:
     """Follow one cell as a sweep does, bit for bit, and record every step.
 
     model: of one device; dt: us
@@ -111,8 +123,8 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
 def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
-    run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
-    follower(model.laws)(*run)
+    run = CellRun(pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    follower(model.laws)(system, run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,

@@ -19,7 +19,7 @@ class Page(Application):
         from ..requirements import application as requirements
 
         cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
-        return cells | requirements.outputs(study)
+        return {**cells, **requirements.outputs(study)}
 
     def figures(self, study: Config) -> Figures:
         """The page, with what the cube does not hold."""

@@ -194,7 +194,7 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
 def restless(verdicts: Sequence[Verdict]) -> str:
     """Write which shocks must make the beam stay, but do not surely; the worst corner of each."""
     wrong = [v for v in verdicts if v.must_snap is True and v.end in (RETURNS, DIFFERS, OPEN)]
-    lines = {}
+    lines: dict[str, str] = {}
     for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
         row = verdict._asdict()
         where = f"{verdict.requirement}, {corner_text(row)}, N = {plain(verdict.N)}"

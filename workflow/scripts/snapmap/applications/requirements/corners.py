@@ -73,7 +73,7 @@ def read_verdicts(path: str | Path) -> list[dict]:
 
 def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
     """Group rows of verdicts by requirement, device and C; each group begins with its worst."""
-    groups = {}
+    groups: dict[tuple, list[Mapping]] = {}
     for row in rows:
         groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
     return [sorted(group, key=badness, reverse=True) for group in groups.values()]

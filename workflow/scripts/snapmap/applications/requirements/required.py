@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
 from ...study.shock import Shock
 from ...study.study import ANY, Study
 from .corners import Verdict, at_corner
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 Judged = list[tuple[Verdict, dict[str, float]]]
 """Verdicts, each with further columns of its row."""
@@ -23,7 +26,7 @@ class Required(Protocol):
     @property
     def start(self) -> str: ...
 
-    def check(self, study: Study, C: Sequence[float]) -> Judged:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge each device at each temperature and C (uN us/um)."""
 
     def require(self, study: Study) -> None:
@@ -44,7 +47,7 @@ class RequiredShock(Shock):
     pulse: Mapping[str, Any]
     more: ClassVar[str] = ""
 
-    def check(self, study: Study, C: Sequence[float]) -> Judged:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge by threshold and strength; the further columns are extremes and survival."""
         from ..histories.history import free_travel, observed_of
         from .check import check, judge
@@ -55,8 +58,7 @@ class RequiredShock(Shock):
             columns = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
             moved = columns["toward_max"], columns["away_max"]
             columns["travel_over_rise"] = free_travel(shaken.device, *moved)
-            stress = columns["stress_max"]
-            verdict, survival = judge(verdict, shaken.device, stress, self.survives)
+            verdict, survival = judge(verdict, shaken.device, columns["stress_max"], self.survives)
             judged.append((verdict, columns | survival._asdict()))
         return judged
 
@@ -70,6 +72,4 @@ class RequiredShock(Shock):
 
     def plain(self) -> dict[str, Any]:
         """All values but the shocks, which follow from `pulse`."""
-        values = asdict(self)
-        del values["shocks"]
-        return values
+        return {key: value for key, value in asdict(self).items() if key != "shocks"}

@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...solver.settings import FIRST
 from ...study.study import Study
 from ..requirements.required import Judged
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,7 @@ class RequiredVibration(Shaking):
     duration: float
     probability: float
 
-    def check(self, study: Study, C: Sequence[float]) -> Judged:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge by the level at which a trip is as probable as allowed; no further columns."""
         from .verdicts import check_vibration
 
@@ -52,7 +55,7 @@ class RequiredSpectrum(Shaking):
     srs: list[list[float]]
     direction: str
 
-    def check(self, study: Study, C: Sequence[float]) -> Judged:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge by the factor of the spectrum from which its records trip; no further columns."""
         from .verdicts import check_spectrum
 

@@ -39,8 +39,8 @@ def check_vibration(
         columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            bounds = low, high, level, error
-            verdicts.append(_verdict(required, place | {"C": damping}, snaps > 0, *bounds))
+            bounds, at = (low, high, level, error), place | {"C": damping}
+            verdicts.append(_verdict(required, at, snaps > 0, *bounds))
     return verdicts
 
 
@@ -53,8 +53,7 @@ def check_spectrum(
 ) -> list[Verdict]:
     """Find the factor of a spectrum from which a record snaps a study's devices.
 
-    If a device must snap, the factor is that from which all records snap it.
-    C: uN us/um; temperatures: degC; empty for those of the devices
+    If it must snap, all records snap it. C: uN us/um; temperatures: degC; empty for its own
     N, N_first, N_error of a verdict are factors of the spectrum; N_error is half a step of them.
     """
     verdicts, drawn = [], {"records": records, "seed": SEED}

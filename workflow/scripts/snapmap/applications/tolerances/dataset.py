@@ -101,10 +101,10 @@ def tolerance(
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    requirements = [take_shock(required, study.shocks) for required in requirements]
+    shocks = [take_shock(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
     axes = {"C": C, "f0": f0, "N": N}
-    return tolerances_of(study, axes, tolerances, requirements, threshold_tolerance)
+    return tolerances_of(study, axes, tolerances, shocks, threshold_tolerance)
 
 
 def tolerances_of(
@@ -234,7 +234,7 @@ def _requirements(batches, study, requirements, C, tolerance):
     """
     first, meets = [], []
     for required in requirements:
-        settings, levels, met = required.shaken(study).settings, [], []
+        settings, levels, met = required.shaken(study).run, [], []
         for batch, shocks in product(batches, required.shocks.each()):
             rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
@@ -299,14 +299,14 @@ def summary(tolerance: xr.Dataset) -> str:
     total = tolerance.sensitivity.sel(order="total")
     named = [dim for dim in NAMES if dim in total.dims]
     total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
-    most = {}
+    most: dict[str, list[str]] = {}
     for place in product(*(range(total.sizes[dim]) for dim in named)):
         indices = total.isel(dict(zip(named, place, strict=True)))
         if indices.notnull().any():
             names = " ".join(str(indices[dim].item()) for dim in named)
             most.setdefault(indices.idxmax().item(), []).append(names)
-    for key, names in most.items():
-        words.append(f"most by {key} ({', '.join(names)})" if len(most) > 1 else f"most by {key}")
+    for key, places in most.items():
+        words.append(f"most by {key} ({', '.join(places)})" if len(most) > 1 else f"most by {key}")
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in tolerance:
             shares = tolerance[key]

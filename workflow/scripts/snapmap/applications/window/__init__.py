@@ -8,17 +8,19 @@ from ..application import Application, Figures, Files
 from ..requirements import plain_shocks, shocks_of
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from ...config.study import Config
 
 
-def design_axes(study):
+def design_axes(study: Config) -> dict[str, np.ndarray]:
     """The axes of a study that a design chooses, with their values."""
     from ...config.study import DESIGN
 
     return {key: values for key, values in study.axes.items() if key in DESIGN}
 
 
-def choose_axes(study):
+def choose_axes(study: Config) -> tuple[str, ...]:
     """Choose the axes of the window: the two design axes of several values, or none."""
     from ...study.axes import DEVICE
 
@@ -66,12 +68,13 @@ class Window(Application):
         from ...study.netcdf import open_whole
         from .figure import draw_window
 
-        axes = figures["window"]["axes"]
+        units = figures["window"]["axes"]
         with (
             open_whole(window_path) as dataset,
             style.saved(f"{folder}/window", dataset.attrs, 4) as figure,
         ):
-            draw_window(figure, dataset, *axes, axes)
+            x, y = units
+            draw_window(figure, dataset, x, y, units)
 
 
 application = Window()

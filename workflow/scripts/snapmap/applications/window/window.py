@@ -41,7 +41,7 @@ def window_of(
         shaken, f0, under = required.shaken(study), required.f0, []
         for shocks in shaken.shocks.each():
             single = shaken.under(shocks)
-            pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
+            pulse = shocks.pulses[0].pieces.tobytes(), shaken.run, f0
             if pulse not in thresholds:
                 surface = first_snaps(single, {**axes, "f0": [f0]})
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
@@ -131,7 +131,7 @@ def _count_meeting(study, axes, requirements, tolerances):
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
         batch, meets[place] = Batch(device, values, study.model, choices, start), True
         for required in requirements:
-            settings = required.shaken(study).settings
+            settings = required.shaken(study).run
             for pulse in required.shocks.pulses:
                 rows = to_rows(0, required.f0, C, 0, [pulse])
                 meets[place] &= batch.meets(required, rows, settings).T
@@ -160,5 +160,5 @@ def summary(window: xr.Dataset, units: Units) -> str:
         value = between(window[key].values, 1)[place]
         where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
     words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
-    share = between(window["yield"].values)[best] if "yield" in window else np.nan
-    return f"{words}, yield {share:.1%}" if np.isfinite(share) else words
+    meeting = between(window["yield"].values)[best] if "yield" in window else np.nan
+    return f"{words}, yield {meeting:.1%}" if np.isfinite(meeting) else words
