@@ -6,9 +6,10 @@ from typing import Annotated, Literal
 from typing_extensions import TypeAliasType
 
 from ..files.text import describe, show
+from ..values.faults import Faults
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.records import build, read_part, record, told
+from ..values.records import build, hints, read_part, record, told
 from .laws import Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3
@@ -121,7 +122,19 @@ class ModelKind(Kind):
         """Read a section of a config."""
         if not isinstance(value, Mapping):
             raise ValueError(f"{describe(value)} is not {self.asks}")
-        return read_part(self._named(value, describe), value)
+        wrong = ()
+        try:
+            made = self._named(value, describe)
+        except ValueError as error:  # the options are those of the model that has most of them
+            wrong = (str(error),)
+            made = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
+        try:
+            model = read_part(made, {**value, "name": made.name})
+        except Faults as faults:
+            wrong += faults.args
+        if wrong:
+            raise Faults(*wrong)
+        return model
 
     def _named(self, value, say):
         if "name" not in value:
