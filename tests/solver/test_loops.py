@@ -3,12 +3,12 @@
 import re
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from conserving_loop import assert_followed
 from varied import in_steps, varied
 
-import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
@@ -17,6 +17,7 @@ from snapmap.solver.kernel import rows as R
 from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import System, nodal_system
+from snapmap.solver.options import Cosines
 from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
@@ -121,7 +122,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
         fix_step(step)
-        run = snapmap.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
+        run = flat.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
         early = run.sel(time=slice(20, 300))
         assert (early.contact_force > 0).all()
         end = run[["w_mid", "z_mass"]].interp(time=300.0, method="cubic")
@@ -133,7 +134,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
 def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
     devices = (varied(handout, contact=contact) for contact in (np.inf, 1e12))
-    hard, stiff = (build_model(device, "cosines", modes=5) for device in devices)
+    hard, stiff = (build_model(device, Cosines(modes=5)) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
     t_snaps = [model.follow(cells, Run(300.0, until="snap")).t_snap for model in (hard, stiff)]
