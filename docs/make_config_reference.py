@@ -68,7 +68,8 @@ from others.
 ## Values of the device as axes
 
 Values of the device under `sweep` are axes of all products, in the order of the config, followed by
-`shape`, `direction`, C, f0 and N. They are {values}. Several devices, by name, are the first axis; in YAML,
+`shape`, `direction`, C, f0 and N. They are {values}.
+Several devices, by name, are the first axis; in YAML,
 `softer: {{<<: *first, spring: 3 N/m}}` repeats a device marked `&first` with another spring. A
 point without a second stable shape is refused, or with `skip: true` marked `absent`.
 

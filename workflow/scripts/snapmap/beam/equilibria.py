@@ -183,7 +183,7 @@ def require_rest(rest: Rest) -> None:
     if not np.isfinite(rest.energy).all():
         raise ValueError(
             "start: second needs a guided beam, as a beam free to tilt does not stay there; write "
-            "first, or guide: guided"
+            "first, or free: false"
         )
 
 

@@ -83,7 +83,10 @@ class BeamSection(Beam):
             return {}
         cosines, further = self.shape.cosines, {}
         if file := self.shape.file:
-            measured = read_shape(file)
+            try:
+                measured = read_shape(file)
+            except ValueError as error:
+                raise ValueError(f"shape.file: {error}") from None
             further["measured"] = f"{file}: {measured.words}"
             cosines = measured.cosines
             for name, size in (("span", measured.length), ("rise", measured.rise)):

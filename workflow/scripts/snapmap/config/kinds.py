@@ -37,7 +37,7 @@ class AmplitudesKind(Kind):
 
     def read(self, value: object) -> list[float]:
         """Read a list of numbers."""
-        if not isinstance(value, list) or not 0 < len(value) <= len(COSINES) + 1:
+        if not isinstance(value, list | tuple) or not 0 < len(value) <= len(COSINES) + 1:
             raise ValueError(f"{describe(value)} is not {self.need}")
         kind, amplitudes, faults = Quantity("a plain number", "", "0.1", "(-inf, inf)"), [], []
         for place, item in enumerate(value):

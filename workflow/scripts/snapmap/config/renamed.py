@@ -29,7 +29,9 @@ VALUES = {
 
 
 def renew(document: Mapping) -> tuple[dict, list[str]]:
-    """Give a config with the keys of today, and a line on each old key that it has."""
+    """Give a config with the keys of today, if it is one, and a line on each old key."""
+    if not isinstance(document, Mapping):
+        return document, []
     document = copy.deepcopy(dict(document))
     lines = _move(document, "", OF_SWEEP) + _move(document.get("device"), "device.", OF_DEVICE)
     devices = document.get("devices")

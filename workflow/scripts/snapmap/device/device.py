@@ -51,6 +51,8 @@ class Device:
 
     A plain number counts in um, ng, uN/um, MPa, um/us^2 and degC; text has its unit.
 
+    Examples
+    --------
     >>> sizes = {"span": "600 um", "rise": 10.0, "thickness": 2.0, "depth": 22.0}
     >>> beam = snapmap.Beam(**sizes, youngs_modulus="150 GPa", density="2330 kg/m^3")
     >>> device = {"mass": "1e-8 kg", "spring": 5.5, "contact": 40.0, "gravity": "9.81 m/s^2"}
@@ -116,6 +118,8 @@ class Device:
 
     def __post_init__(self):
         """Complete what follows from other values; ValueError if some do not fit each other."""
+        if not np.any(self.force):  # under which gravity has no effect
+            warn_of_si("", "gravity", vars(self), UNITS)
         alone = np.equal(self.mass, 0)
         if np.all(alone):
             for key, value in ALONE.items():
@@ -128,8 +132,6 @@ class Device:
         require(alone | np.isfinite(self.gap), far, self.gap)
         pushed = "force: {:g} uN acts on a beam without a mass; write mass: none"
         require(alone | np.equal(self.force, 0), pushed, self.force)
-        if not np.any(self.force):  # under which gravity has no effect
-            warn_of_si("", "gravity", vars(self), UNITS)
         if np.any(self.has_electrode):
             closed = "contact_at: {:g} um is not below the midpoint at rest, {:g} um"
             rest = self.beam.height
@@ -227,7 +229,7 @@ NEEDED = ("spring", "contact", "gravity")
 def _is_all(value, number):
     """Tell whether a value is a number, or an array of it."""
     numbers = plain_numbers(value)
-    return numbers is not None and bool(np.all(np.equal(numbers, number)))
+    return numbers is not None and numbers.size > 0 and bool(np.all(np.equal(numbers, number)))
 
 
 _DEFAULTS = {field.name: field.default for field in fields(Device)}

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 
 from ..files.tables import require_rising
 from ..files.text import show
-from ..numerics import portable
+from ..numerics.portable import sines
 from ..values.kinds import Fitting, Single, Word
 from ..values.quantities import Share
 from ..values.records import record
@@ -65,15 +65,36 @@ def N_of_g(gravity: float) -> float:
     return 1.0 if not gravity or abs(gravity / G - 1) < NEAR_G else G / gravity
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pulse:
     """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
-    duration: us, of a recorded shock, train or drop; None where f0 sets it
-    peak: um/us^2, of a recorded shock in known units or of a drop from its height; else NaN
-    notes: warnings about a recorded shock
+    Parameters
+    ----------
+    name
+        What stands in files and figures.
+    pieces
+        Lines and waves, (pieces, 6): begin, value, slope, turns per duration, lift and swing.
+    duration
+        Duration of a recorded shock, train or drop, us; None where f0 sets it.
+    peak
+        Peak of a recorded shock in known units, or of a drop from its height, um/us^2; else NaN.
+    section
+        What a config has under `pulse` for it.
+    notes
+        Warnings about a recorded shock.
+    blows
+        x at which each blow of a train begins, ascending.
+    swing
+        Share of the duration that the fastest change of a train takes.
+    strongest
+        The blow of a train that changes the velocity most.
 
+    Examples
+    --------
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
+    >>> saw.at(0.125).item()
+    0.5
     """
 
     name: str
@@ -109,6 +130,10 @@ class Pulse:
             raise ValueError(f"pulse: duration {error}, or None") from None
         object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
+
+    def __repr__(self):
+        """Write the name, as signatures show a pulse as a default."""
+        return f"<Pulse {self.name!r}>"
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -161,7 +186,7 @@ class Pulse:
         length = np.diff(begin, append=1.0)
         lines = length * (value + lift + slope * length / 2)
         phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
-        sine, cosine = (np.vectorize(portable.sine)(turns * length + turn) for turn in (0.0, 0.25))
+        sine, cosine = (sines(turns * length + turn) for turn in (0.0, 0.25))
         waves = (swing * (1 - cosine) - lift * sine) / phase
         return lines + np.where(turns > 0, waves, 0.0)
 
@@ -185,8 +210,8 @@ class Pulse:
     def is_smooth(self) -> bool:
         """Whether neither value nor slope jumps anywhere, which would make the beam ring."""
         begin, _, slope, turns, lift, swing = self.pieces.T
-        ends, place = np.unique(turns * np.diff(begin, append=1.0), return_inverse=True)
-        sine, cosine = (np.vectorize(portable.sine)(ends + turn)[place] for turn in (0.0, 0.25))
+        ends = turns * np.diff(begin, append=1.0)
+        sine, cosine = (sines(ends + turn) for turn in (0.0, 0.25))
         rate = 2 * np.pi * turns
         first, last = slope + rate * swing, slope + rate * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
@@ -223,9 +248,9 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        a, sine = value + slope * s, np.vectorize(portable.sine)
+        a = value + slope * s
         if turns.any():
-            a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
+            a = a + lift * (2 * sines(turns * s * 0.5) ** 2) + swing * sines(turns * s)
         return np.where((x >= 0) & (x <= 1), a, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float, gravity: float) -> list[str]:
@@ -303,11 +328,27 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 def sampled(time: Times, acceleration: Series, name: str = "recorded") -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 
-    time: us, ascending, (samples,)
-    acceleration: along +z, (samples,), in any unit; N scales its largest absolute value
-    name: stands in files and figures
-    Raises ValueError for samples that are no shock from rest to rest.
+    Parameters
+    ----------
+    time
+        Times of the samples, us, ascending, (samples,).
+    acceleration
+        Acceleration along +z, (samples,), in any unit; N scales its largest absolute value.
+    name
+        What stands in files and figures.
 
+    Returns
+    -------
+    Pulse
+        The shock, for `Study(device, pulse=...)`; f0 is then None.
+
+    Raises
+    ------
+    ValueError
+        One line, for samples that are no shock from rest to rest.
+
+    Examples
+    --------
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """
@@ -366,6 +407,7 @@ def _flat_top(time, values):
     return spans[0] if spans[0] > FLAT_SHARE * spans[1] else 0.0
 
 
+@cache
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
     """Make a pulse of one of SHAPES, by name; shares: rise and fall of a trapezoid."""
     return Pulse(shape, np.array(SHAPES[shape](**shares)), section={"shape": shape, **shares})

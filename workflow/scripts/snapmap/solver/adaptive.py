@@ -1,6 +1,7 @@
 """The model `auto`: levels of models, of which the cheapest that suffices decides each cell."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
+from .kept import kept
 from .laws import well_of
 from .models import Follows, build_model, mixed, require_fitting
 from .options import TOLERANCE, Auto, Chosen, Cosines
@@ -136,14 +138,19 @@ class Survey(NamedTuple):
 
 def choose_model(device: Device, chosen: Chosen, start: str = FIRST) -> Follows | Adaptive:
     """Build the chosen model for a device or a batch; start: as in `Run`."""
-    if isinstance(chosen, Auto):
-        require_fitting(device, chosen)
-        return build_adaptive(device, chosen.tolerance, start)
-    return build_model(device, chosen)
+    if not isinstance(chosen, Auto):
+        return build_model(device, chosen)
+    require_fitting(device, chosen)
+    build = partial(build_adaptive, device, chosen.tolerance, start)
+    return kept(build, device, chosen, "levels", start)
 
 
 def choose_survey(device: Device, chosen: Chosen, start: str = FIRST) -> Survey:
     """Build the survey of the chosen model for a batch; start: as in `Run`."""
+    return kept(partial(_survey, device, chosen, start), device, chosen, "survey", start)
+
+
+def _survey(device, chosen, start):
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := chosen.laws:
         return _of_laws(build_model(device, chosen), laws, static)

@@ -6,9 +6,10 @@ from typing import Annotated, Literal
 from typing_extensions import TypeAliasType
 
 from ..files.text import describe, show
+from ..values.faults import Faults
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.records import build, read_part, record, told
+from ..values.records import build, hints, read_part, record, told
 from .laws import Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3
@@ -17,7 +18,13 @@ TOLERANCE = 1e-3
 
 @record
 class Auto:
-    """The cheapest sufficient number of cosines for each cell."""
+    """The cheapest sufficient number of cosines for each cell.
+
+    Examples
+    --------
+    >>> snapmap.Auto(tolerance=0.01)
+    Auto(tolerance=0.01)
+    """
 
     tolerance: Fraction = TOLERANCE
     """largest relative error of thresholds"""
@@ -29,7 +36,14 @@ class Auto:
 
 @record
 class Cosines:
-    """Symmetric cosines."""
+    """Symmetric cosines.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> snapmap.Study(device, model=snapmap.Cosines(modes=3)).model
+    Cosines(modes=3)
+    """
 
     modes: Modes | None = None
     """number of modes; all if left out"""
@@ -43,7 +57,13 @@ class Cosines:
 
 @record
 class Elements:
-    """Hermite elements on the half beam, as in the handout."""
+    """Hermite elements on the half beam, as in the handout.
+
+    Examples
+    --------
+    >>> snapmap.Elements(modes=4).elements
+    5
+    """
 
     elements: Count = 5
     """number of elements on the half beam"""
@@ -57,7 +77,13 @@ class Elements:
 
 @record
 class Reference:
-    """The handout's central differences in a plain loop; slow."""
+    """The handout's central differences in a plain loop; slow.
+
+    Examples
+    --------
+    >>> snapmap.Reference(elements=10)
+    Reference(elements=10)
+    """
 
     elements: Count = 5
     """number of elements on the half beam"""
@@ -96,7 +122,19 @@ class ModelKind(Kind):
         """Read a section of a config."""
         if not isinstance(value, Mapping):
             raise ValueError(f"{describe(value)} is not {self.asks}")
-        return read_part(self._named(value, describe), value)
+        wrong = ()
+        try:
+            made = self._named(value, describe)
+        except ValueError as error:  # the options are those of the model that has most of them
+            wrong = (str(error),)
+            made = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
+        try:
+            model = read_part(made, {**value, "name": made.name})
+        except Faults as faults:
+            wrong += faults.args
+        if wrong:
+            raise Faults(*wrong)
+        return model
 
     def _named(self, value, say):
         if "name" not in value:

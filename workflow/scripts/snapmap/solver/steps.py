@@ -94,6 +94,8 @@ class Steps:
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
         step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
+        if not (np.any(speed) or np.any(self.own_tightening)):
+            return step
         own = self.own_tightening[cells.device] * shaken_speed(self.arch, cells)
         turn = step * np.sqrt(self.tightening[cells.device] * speed + own)
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
@@ -158,7 +160,8 @@ def striking_speed(device: Device, cells: Cells, start: str) -> np.ndarray:
     """
     strikes = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
     thrown = np.atleast_1d(device.has_stops)[cells.device] & strikes
-    return np.where(thrown | (start != FIRST), largest_speed(device, cells), 0.0)
+    fast = thrown | (start != FIRST)
+    return np.where(fast, largest_speed(device, cells), 0.0) if fast.any() else np.zeros(fast.shape)
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:

@@ -55,6 +55,7 @@ def provenance(document: Mapping) -> dict[str, str]:
     }
 
 
+@cache
 def _packages():
     """Give names and versions of those of PACKAGES that are installed."""
     installed = []

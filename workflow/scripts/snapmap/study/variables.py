@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Annotated
 
@@ -37,7 +38,7 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     Attributes that a variable has already are kept.
     """
     about = variables(product)
-    head = about.pop("")
+    head = about[""]
     for key, variable in dataset.variables.items():
         variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
     return dataset.assign_attrs(
@@ -49,7 +50,8 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     )
 
 
-def variables(product: str) -> dict[str, dict]:
+@cache
+def variables(product: str) -> Mapping[str, dict]:
     """Read the CF attributes of a product's variables, by name; title and summary are under ""."""
     rows = []
     for path in TABLES:

@@ -58,11 +58,13 @@ class Probe(NamedTuple):
 
     def observe(self, N: np.ndarray) -> Approach:
         """Tell how near cells come to a snap at N, (rows, n)."""
-        settings, known = self.settings.but(until=self.until, repeat=False), np.isfinite(N)
+        known, (t_snap, lowest) = np.isfinite(N), np.full((2, *N.shape), np.nan)
+        if not known.any():
+            return Approach(t_snap, lowest)
+        settings = self.settings.but(until=self.until, repeat=False)
         cells = self.rows.cells(self.model.device, N, settings.horizon).take(known)
         runs = self.model.follow(cells, settings)
         lost = np.isnan(runs.t_snap) & ~(runs.energy_error <= settings.energy_tolerance)
-        t_snap, lowest = np.full((2, *N.shape), np.nan)
         t_snap[known], lowest[known] = np.where(lost, -np.inf, runs.t_snap), runs.lowest
         return Approach(t_snap, lowest)
 

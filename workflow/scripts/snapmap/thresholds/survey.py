@@ -70,6 +70,8 @@ def survey(search: Search) -> Thresholds:
 
 def lowest(search: Search) -> np.ndarray:
     """Find N_first of rows, (rows,), without error bars; NaN where nothing snaps."""
+    if not search.rows.f0.size:
+        return np.empty(0)
     # With `highest` = 0, islands far above the first N that snaps do not count.
     changes = find_changes(search._replace(highest=0.0))
     edges, n_rows = changes.edges.take(changes.edges.rising), changes.ragged.size

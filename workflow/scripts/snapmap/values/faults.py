@@ -8,7 +8,7 @@ from ..files.text import describe
 MOST_ALIKE = 3
 """Most faults of items of a list that have a line each."""
 LONGEST_KEY = 40
-_WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[\d+\])+: ")
+_WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[[^]]*\])+: ")
 
 
 class Faults(ValueError):

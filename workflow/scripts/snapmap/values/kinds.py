@@ -21,7 +21,7 @@ from pydantic_core.core_schema import (
 from ..files.text import describe, plain, show
 from ..numerics.portable import geometric, linear
 from . import units
-from .faults import Faults, few
+from .faults import Faults, few, name_of
 
 WRITTEN = {"written": True}
 """Context in which pydantic reads a config."""
@@ -230,7 +230,7 @@ class Several(Kind):
         """Convert a list or a range of a config to an ascending row, (n,)."""
         if isinstance(value, Mapping):
             values = self._spaced(value)
-        elif not isinstance(value, list) or not value:
+        elif not isinstance(value, list | tuple) or not value:
             raise ValueError(f"{describe(value)} is not {self.asks}")
         else:
             values, faults = [], []
@@ -251,12 +251,12 @@ class Several(Kind):
 
     def _spaced(self, section):
         """Space values as a range says, both ends counted."""
-        faults = [f".{key}: missing" for key in self.KEYS[:3] if key not in section]
-        known = ", ".join(self.KEYS)
-        strange = [key for key in section if key not in self.KEYS]
-        faults += [
-            f".{describe(key, 40)[1:-1]}: unknown key; known here are {known}" for key in strange
-        ]
+        whole, known = "a whole number from 1 to 1000000", ", ".join(self.KEYS)
+        needs = {"from": self.of.asks, "to": self.of.asks, "points": whole}
+        lacks = (key for key in needs if key not in section)
+        faults = [f".{key}: missing; write {needs[key]}" for key in lacks]
+        strange = (name_of((key,), ".") for key in section if key not in self.KEYS)
+        faults += [f"{name}: unknown key; known here are {known}" for name in strange]
         ends = []
         for key in ("from", "to"):
             try:
@@ -265,8 +265,7 @@ class Several(Kind):
                 faults.append(f".{key}: {error}")
         points, spacing = section.get("points", 1), section.get("spacing", "linear")
         if type(points) is not int or not 1 <= points <= 1_000_000:
-            whole = "is not a whole number from 1 to 1000000"
-            faults.append(f".points: {describe(points)} {whole}")
+            faults.append(f".points: {describe(points)} is not {whole}")
         if spacing not in ("linear", "log"):
             faults.append(f".spacing: {describe(spacing)} is not one of linear, log")
         if faults:
@@ -314,6 +313,12 @@ class Whole(Kind):
         if not whole or not self.low <= array <= (inf if self.high is None else self.high):
             raise ValueError(f"{show(value)} is not {self.need}")
         return int(np.asarray(value))
+
+    def read(self, value: object) -> int:
+        """Read a whole number."""
+        if type(value) is not int:
+            raise ValueError(f"{describe(value)} is not {self.need}")
+        return self.take(value)
 
     def schema(self) -> dict:
         """Describe a whole number."""

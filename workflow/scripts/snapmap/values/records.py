@@ -58,8 +58,9 @@ def record(made: type[Made]) -> type[Made]:
     made.__pydantic_config__ = {"extra": "forbid"}
     made.__get_pydantic_core_schema__ = classmethod(_explained)
     made.__get_pydantic_json_schema__ = classmethod(_described)
+    words = made.__doc__  # not the signature that a dataclass has where python -OO has no words
     made = dataclass(frozen=True, repr=False)(made)
-    made.__doc__ = _Docstring(made.__doc__)
+    made.__doc__ = _Docstring(words)
     made.__init__ = _converting(made.__init__, [field.name for field in fields(made)])
     return made
 
@@ -73,8 +74,8 @@ class _Docstring:
 
     def __get__(self, whole, made):
         """Write it in the form of numpydoc."""
-        if not self.text:  # python -OO has none
-            return self.text
+        if not self.text:
+            return None
         text, heading, examples = inspect.cleandoc(self.text).partition("\n\nExamples\n")
         lines = [text, "", "Parameters", "----------"]
         for key, what, _, default, _ in rows(made):
@@ -214,13 +215,15 @@ def _explained(made, source, handler):
             return values
         if isinstance(values, Mapping):
             faults = {_path(key): [line] for key, line in beside(made, values).items()}
+            empty = [key for key in values if key in hints(made) and values[key] is None]
+            faults |= {(key,): _wrong(made, key, None) for key in empty}
+            values = {key: value for key, value in values.items() if key not in empty}
         try:
             section = inner(values)
         except ValidationError as error:
             for detail in error.errors():
-                lines = _lines(made, detail)
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
-                    faults[detail["loc"]] = lines
+                    faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
             return section
         errors = [
@@ -235,11 +238,6 @@ def _explained(made, source, handler):
         raise ValidationError.from_exception_data(made.__name__, errors)
 
     return with_info_wrap_validator_function(explain, handler(source))
-
-
-def _escape(line):
-    """Escape a line that pydantic takes for a template."""
-    return line.replace("{", "{{")
 
 
 def _path(key):
@@ -260,8 +258,12 @@ def _lines(made, detail):
             return [f"missing; write {need_of(hints(made)[first])}"]
         case "extra_forbidden" | "unexpected_keyword_argument" | "invalid_key":
             return [f"unknown key; known here are {_nearest(first, hints(made))}"]
-    need = need_of(hints(made)[first]) if first in hints(made) else need_of(made)
-    return [f"{describe(detail['input'])} is not {need}"]
+    return _wrong(made, first, detail["input"])
+
+
+def _wrong(made, key, value):
+    need = need_of(hints(made)[key]) if key in hints(made) else need_of(made)
+    return [f"{describe(value)} is not {need}"]
 
 
 def _nearest(key, known):

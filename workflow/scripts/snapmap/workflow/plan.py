@@ -74,7 +74,7 @@ def make_plan(
     for f0 in alone.values():
         beside += _expected(grid, model, moved, np.array(f0), observing)[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
-        key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
+        key = "run.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
             key = min(alone, key=lambda key: min(alone[key]))
             lowest = min(alone[key])

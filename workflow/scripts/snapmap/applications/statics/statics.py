@@ -17,7 +17,7 @@ from ...beam.equilibria import (
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
 from ...device.device import Device
-from ...numerics.portable import sine
+from ...numerics.portable import sines
 from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
 from ...study.variables import dress
@@ -76,7 +76,7 @@ def statics_of(device: Device) -> xr.Dataset:
     if device.beam.free:
         # With an imperfection the path bends sharply at both ends of the straight part.
         first, last = w[POINTS], w[2 * POINTS - 1]
-        share = (1 - np.vectorize(sine)(np.linspace(0.25, 0.75, POINTS))) / 2
+        share = (1 - sines(np.linspace(0.25, 0.75, POINTS))) / 2
         w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))

@@ -72,13 +72,29 @@ def set_out(work, shocks, state, pulses):
     # Lanes whose pieces join in this block, or whose pulse jumps, are sampled step by step.
     for l in range(LANES):
         if joined >> l & 1:
-            pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
-            ends = jumps[pulse, 0], jumps[pulse, 1]
-            for i in range(BLOCK):
-                x = step * (state.steps[l] + i)
-                k = curve.at(pieces, k, bounds[pulse + 1], x)
-                sample = curve.sample(pieces, k, ends, x, step)
-                shocks[i * LANES + l] = X[R.AMPLITUDE, l] * sample
+            sample_lane(work, shocks, l, state, pulses)
+
+
+@compiled
+def sample_lane(work, shocks, l, state, pulses):
+    """Sample the pieces of lane l in a block; lines of a record have no joint but at their ends."""
+    (pieces, bounds, jumps), X = pulses, numbers(work)
+    pulse, k, step, a = state.pulse[l], state.piece[l], X[R.X_STEP, l], X[R.AMPLITUDE, l]
+    ends, end = (jumps[pulse, 0], jumps[pulse, 1]), bounds[pulse + 1]
+    i, first = 0, state.steps[l]
+    while i < BLOCK:
+        x = step * (first + i)
+        k = curve.at(pieces, k, end, x)
+        shocks[i * LANES + l] = a * curve.sample(pieces, k, ends, x, step)
+        i += 1
+        if pieces[k, curve.TURNS] != 0.0:
+            continue
+        start, slope, begin = pieces[k, curve.VALUE], pieces[k, curve.SLOPE], pieces[k, curve.BEGIN]
+        over = min(pieces[k + 1, curve.BEGIN], 1 - step) if k + 1 < end else 1 - step
+        while i < BLOCK and step * (first + i) < over:
+            line = start + slope * (step * (first + i) - begin)
+            shocks[i * LANES + l] = a * line
+            i += 1
 
 
 @compiled
