@@ -97,7 +97,7 @@ def double_well(handout, laws):
     device = replace(handout, contact=500.0, spring=0.05)
     model = {"force": laws("double_well").force, "contact": laws("fixed_mass").contact}
     model = snapmap.reference(**model)
-    return device, model, build_model(batch([device]), **model)
+    return device, model, build_model(batch([device]), model)
 
 
 def first_snap(model, rows, expected, tolerance):
