@@ -13,7 +13,12 @@ from snapmap.solver.options import MODELS, ModelKind
 RUN = {field.name for field in fields(snapmap.Run)}
 
 
-def study(device, model="auto", values=None):
+def model(name, **options):
+    """Make the model of a name and options."""
+    return ModelKind().take({"name": name, **options})
+
+
+def study(device, chosen="auto", values=None):
     """Make a study of a device, a model and values by name, which are taken out."""
     values = {} if values is None else values
 
@@ -22,7 +27,7 @@ def study(device, model="auto", values=None):
 
     options = {field.name for made in MODELS.values() for field in fields(made)}
     options = take(options)
-    chosen = {"name": model, **options} if isinstance(model, str) else model
+    chosen = model(chosen, **options) if isinstance(chosen, str) else ModelKind().take(chosen)
     return snapmap.Study(
         device,
         model=ModelKind().take(chosen),

@@ -82,7 +82,7 @@ def test_the_notebook_runs(root, tmp_path, monkeypatch):
         exec(code.replace("1900, 25", "1900, 9").replace("6000.0, 24", "6000.0, 5"), names)
         plt.close("all")
     run, edges, own = names["run"], names["found"].squeeze(), names["own"]
-    assert run.outcome == "snapped" and run.t_snap == pytest.approx(434.89, abs=0.02)
+    assert snapmap.words(run.outcome) == "snapped" and run.t_snap == pytest.approx(434.89, abs=0.02)
     assert (edges.N_error < 0.01 * edges.N_first).all()
     free, dragged = own.t_snap.notnull().mean("N").values
     assert (dragged <= free).all() and dragged.sum() < free.sum()  # drag asks for more N

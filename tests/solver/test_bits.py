@@ -12,7 +12,7 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import no_observations, to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.options import Cosines
+from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.outcome import FAILED, NEVER
 from snapmap.solver.settings import Run
 from studies.random_devices import draw_widest_device
@@ -52,10 +52,10 @@ def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
 
 
 MODELS = {
-    "all modes": {"name": "elements"},
-    "elements": {"name": "elements", "elements": 10, "modes": 5},
-    "cosines": {"name": "cosines", "modes": 3},
-    "auto": {"name": "auto"},
+    "all modes": Elements(),
+    "elements": Elements(elements=10, modes=5),
+    "cosines": Cosines(modes=3),
+    "auto": Auto(),
 }
 
 

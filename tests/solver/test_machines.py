@@ -72,7 +72,8 @@ OTHERS = {
 def compute(root, folder, processor, *names):
     """The hash of each file of the study, computed by a process with the given environment."""
     command = [sys.executable, "-c", STUDY, root / "config" / "config.yaml", folder, *names]
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    folders = root / "workflow" / "scripts", root / "tests"
+    path = {"PYTHONPATH": os.pathsep.join(map(str, folders))}
     run = subprocess.run(command, env=os.environ | path | processor, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     return dict(line.rsplit(maxsplit=1) for line in run.stdout.splitlines())

@@ -153,7 +153,7 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
     whole["sweep"]["start"] = "second"
     study = load_config(whole)
-    assert study.run.start == study.of_thresholds().settings.start == "second"
+    assert study.run.start == study.of_thresholds().run.start == "second"
     whole["sweep"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)

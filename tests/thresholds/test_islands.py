@@ -9,7 +9,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.options import Cosines
+from snapmap.solver.options import Auto, Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
 from snapmap.thresholds.probe import Probe
@@ -72,7 +72,7 @@ class Counted:
 
 def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
     """Of fast pulses, under which labels of some rows change back and forth."""
-    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Run()
+    models, settings = choose_survey(batch([handout]), Auto()), Run()
     f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
     rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
     N = lowest(Search(models, rows, settings))
@@ -108,7 +108,7 @@ def test_a_ragged_window_goes_on_below_every_change_of_any_model():
 def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(handout):
     """Here of one in four times the step, so that it differs."""
     device = batch([handout])
-    models = choose_survey(device, {"name": "cosines", "modes": 3})
+    models = choose_survey(device, Cosines(modes=3))
     other = models.decides.with_step(4.0)
     models = models._replace(others=(models.decides,), finest=other)
     rows, settings = to_rows(0, [1e4, 28e3], 0.025), Run(horizon=300.0)

@@ -8,7 +8,7 @@ from varied import in_steps, varied
 from snapmap.pulse.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.options import Elements
+from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 from studies import coverage
@@ -45,14 +45,14 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
 
 def test_errors_of_random_devices_lie_within_their_bars(monkeypatch):
     """On two devices drawn at random, against two independent discretisations."""
-    judges = [{"name": "cosines", "modes": 11}, {"name": "elements", "elements": 20, "modes": 9}]
+    judges = [Cosines(modes=11), Elements(elements=20, modes=9)]
     monkeypatch.setattr(coverage, "JUDGES", judges)
     draw = np.random.default_rng(5)
     over, asked = [], 0
     for _ in range(2):
         device = draw_device(draw)
         f0, C = draw_shocks(draw, device)
-        run = ask(device, f0[1:3], C, {"model": "auto"})
+        run = ask(device, f0[1:3], C, Auto())
         assert run.result is not None and np.isfinite(run.result).all()
         truth = judge(device, f0[1:3], C, run.result[0])
         over.append(ratios([(run, truth)]))
