@@ -112,8 +112,9 @@ def _signature(name: str, described: Callable) -> str:
     bare = [part.replace(annotation=part.empty) for part in signature.parameters.values()]
     called = signature.replace(parameters=bare, return_annotation=signature.empty)
     returned = ADDRESSES.sub("", inspect.formatannotation(signature.return_annotation))
-    arrow = "" if isinstance(described, type) else f" -> {returned}"
-    return f"{name}{called}{arrow}".replace("'", '"')
+    is_class = isinstance(described, type)
+    text = f"class {name}{called}" if is_class else f"{name}{called} -> {returned}"
+    return text.replace("'", '"')
 
 
 def _history() -> str:

@@ -3,7 +3,6 @@
 import doctest
 import json
 import re
-import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -36,17 +35,8 @@ def blocks(text, language):
 
 
 @pytest.fixture(scope="module")
-def reference(root):
-    return (root / "docs" / "reference.md").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="module")
 def sensor(root):
     return (root / "config" / "sensor.yaml").read_text(encoding="utf-8")
-
-
-def test_the_reference_is_what_the_docstrings_say(root, reference):
-    assert runpy.run_path(root / "docs" / "make_reference.py")["reference"]() == reference
 
 
 def test_the_tutorial_writes_the_config_that_there_is(root, sensor):
