@@ -22,7 +22,8 @@ def test_the_config_reference_is_what_the_models_say(root):
     assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
 
 
-CORE = ("numerics", "files", "device", "pulse", "beam", "solver", "study", "thresholds", "sweeps")
+CORE = "numerics", "files", "values", "device", "pulse", "beam", "solver", "study", "thresholds"
+CORE += ("sweeps",)
 SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""

@@ -17,6 +17,7 @@ from snapmap.pulse.pulse import N_of_g, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -71,7 +72,7 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     x = np.linspace(0, 1, 1601)
     beats = sampled(500 * x, np.sin(np.pi * x) ** 2 * (1 - np.cos(32 * np.pi * x)) / 2)
     assert beats.variation > 15
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]], pulses=(beats,))
     static, settings = static_threshold(handout), Run(300.0, until="snap")
     probes = (Probe(each, rows, settings) for each in (model, model.with_step(0.25)))

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from varied import varied
@@ -26,7 +27,7 @@ def test_a_beam_without_a_second_shape_has_statics_alone():
         with pytest.raises(ValueError, match=NO_SECOND):
             ask(device, *cells)
     with pytest.raises(ValueError, match=NO_SECOND):
-        snapmap.simulate(device, 900.0, 1500.0, 25.0)
+        flat.simulate(device, 900.0, 1500.0, 25.0)
     statics = snapmap.statics(device)
     assert statics.largest_force > statics.least_force > 0  # it snaps, and returns by itself
 
@@ -105,9 +106,9 @@ def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(sili
 
 def test_the_axis_is_the_device_with_other_values(silicon):
     asked, C = {"f0": [1500.0], "model": "cosines", "horizon": 0}, 25 * (393.15 / 293.15) ** 0.7
-    along = snapmap.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
+    along = flat.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
     hot = replace(at(silicon, 120.0), damper_exponent=0.0)
-    alone = snapmap.threshold(hot, C=[C], **asked)
+    alone = flat.threshold(hot, C=[C], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
     assert along.temperature.attrs["units"] == "degC"
 

@@ -1,5 +1,6 @@
 """Figures with all of their data missing, with one value, and with one among missing ones."""
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -39,7 +40,7 @@ def made(handout):
     """A small result behind each figure, by the function that draws it."""
     study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Run(100.0))
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    made = snapmap.tolerance(
+    made = flat.tolerance(
         handout,
         {"thickness": 0.05},
         [500.0, 1500.0],
@@ -49,17 +50,15 @@ def made(handout):
         requirements=[REQUIRED],
         **SHORT,
     )
-    edges = snapmap.threshold(handout, **axes, **MODEL)
+    edges = flat.threshold(handout, **axes, **MODEL)
     return {
         "cells": make_cells(["2225", "2022", "0020", "0100"]),
         "thresholds": make_found(),
         "laws": laws_of(study, study.set_out(axes), edges),
-        "history": snapmap.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
+        "history": flat.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
         "statics": snapmap.statics(handout),
         "tolerances": made,
-        "calibration": snapmap.calibrate(
-            handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL
-        ),
+        "calibration": flat.calibrate(handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL),
         "verdicts": VERDICTS,
         "window": window_of(
             study,

@@ -1,10 +1,10 @@
 """The same bits in any company: of other cells, in any order, on threads, and in a batch."""
 
+import flat
 import numpy as np
 import pytest
 from varied import varied
 
-import snapmap
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
 from snapmap.solver import simd_loop
@@ -12,6 +12,7 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import no_observations, to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.outcome import FAILED, NEVER
 from snapmap.solver.settings import Run
 from studies.random_devices import draw_widest_device
@@ -19,7 +20,7 @@ from studies.random_devices import draw_widest_device
 
 def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     rng = np.random.default_rng(5)
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
     cells = to_cells(handout, 0, N, f0, 0.025, 300.0)
     together, order = model.follow(cells, Run())[:6], rng.permutation(N.size)
@@ -31,7 +32,7 @@ def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
 
 
 def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     sizes = []
 
     def march(model, cells, dt, settings):
@@ -46,15 +47,15 @@ def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
-    cube = snapmap.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
+    cube = flat.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
     assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
 
 
 MODELS = {
-    "all modes": {"name": "elements"},
-    "elements": {"name": "elements", "elements": 10, "modes": 5},
-    "cosines": {"name": "cosines", "modes": 3},
-    "auto": {"name": "auto"},
+    "all modes": Elements(),
+    "elements": Elements(elements=10, modes=5),
+    "cosines": Cosines(modes=3),
+    "auto": Auto(),
 }
 
 
@@ -92,9 +93,9 @@ def test_a_device_in_a_batch_does_what_it_does_alone(devices, name):
 )
 def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, contacts):
     asked = {"f0": [1500.0, 9000.0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
-    together = snapmap.threshold(handout, **asked, contact=contacts)
+    together = flat.threshold(handout, **asked, contact=contacts)
     for contact in contacts:
-        alone = snapmap.threshold(varied(handout, contact=contact), **asked)
+        alone = flat.threshold(varied(handout, contact=contact), **asked)
         slice_of_all = together.sel(contact=contact)
         for name in alone:
             single, whole = alone[name].values, slice_of_all[name].values

@@ -1,14 +1,15 @@
 """Islands that few runs or cheap levels might miss: against dense scans and eleven cosines."""
 
+import flat
 import numpy as np
 import pytest
 
-import snapmap
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Auto, Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
 from snapmap.thresholds.probe import Probe
@@ -38,7 +39,7 @@ TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
     rows = to_rows(0, f0, C, 0, [how["pulse"]])
     settings = Run(how["horizon"], start=how["start"])
-    eleven = build_model(batch([device]), "cosines", modes=11)
+    eleven = build_model(batch([device]), Cosines(modes=11))
 
     def snaps(step, N):
         return Probe(eleven.with_step(step), rows, settings).snaps(N[np.newaxis])[0]
@@ -46,11 +47,11 @@ def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, h
     labels, finer_labels = (snaps(step, N) for step in (1.0, 0.5))
     sure = labels == finer_labels
     assert np.count_nonzero(np.diff(labels)) >= 3 and sure.mean() > 0.6
-    cube = snapmap.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
+    cube = flat.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
     np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[sure])
     assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
 
-    edges = snapmap.threshold(device, [f0], [C], **how).squeeze()
+    edges = flat.threshold(device, [f0], [C], **how).squeeze()
     N = np.geomspace(0.97, 1.02, 60) * edges.N_first.item()
     snapped = snaps(0.5, N)
     first = N[np.argmax(snapped)]
@@ -71,7 +72,7 @@ class Counted:
 
 def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
     """Of fast pulses, under which labels of some rows change back and forth."""
-    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Run()
+    models, settings = choose_survey(batch([handout]), Auto()), Run()
     f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
     rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
     N = lowest(Search(models, rows, settings))
@@ -107,7 +108,7 @@ def test_a_ragged_window_goes_on_below_every_change_of_any_model():
 def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(handout):
     """Here of one in four times the step, so that it differs."""
     device = batch([handout])
-    models = choose_survey(device, {"name": "cosines", "modes": 3})
+    models = choose_survey(device, Cosines(modes=3))
     other = models.decides.with_step(4.0)
     models = models._replace(others=(models.decides,), finest=other)
     rows, settings = to_rows(0, [1e4, 28e3], 0.025), Run(horizon=300.0)

@@ -142,11 +142,11 @@ def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
 
 
 def test_a_missing_package_is_one_line(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pydantic", None)
+    monkeypatch.setitem(sys.modules, "yaml", None)
     monkeypatch.delattr(snapmap, "load_device", raising=False)
     for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
         monkeypatch.delitem(sys.modules, name)
-    said = r"snapmap\.load_device needs pydantic: pip install 'snapmap\[config\]'"
+    said = r"snapmap\.load_device needs yaml: pip install 'snapmap\[config\]'"
     with pytest.raises(ImportError, match=f"^{said}$"):
         snapmap.load_device()
 

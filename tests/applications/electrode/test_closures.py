@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import fsum, log, pi, sqrt
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -16,10 +17,10 @@ from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
 from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
+from snapmap.values.faults import Faults
 
 MODEL = {"name": "cosines", "modes": 3}
 CELLS = [(1000.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
@@ -114,9 +115,9 @@ def test_closures_are_those_of_the_handouts_equations(device, N, f0):
 def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
     bare = replace(device, contact_at=-np.inf)
-    cube, other = (snapmap.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
-    alone = snapmap.sweep(device, [1000], **asked)
-    run = snapmap.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
+    cube, other = (flat.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
+    alone = flat.sweep(device, [1000], **asked)
+    run = flat.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
     for key in CLOSING:
         assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
     assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(device, [700], **asked)} == {*other}
@@ -131,7 +132,7 @@ def test_devices_of_a_study_have_an_electrode_or_none():
     document = yaml.safe_load(TINY)
     plain = document.pop("device")
     document["devices"] = {"plain": plain, "closing": plain | {"contact_at": "-5 um"}}
-    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have it"):
+    with pytest.raises(Faults, match=r"^device\.contact_at: only some devices have it"):
         load_config(document)
 
 

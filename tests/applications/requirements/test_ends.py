@@ -2,13 +2,13 @@
 
 import re
 
+import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import THREE_COSINES
 from varied import varied
 
-import snapmap
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import shocks_of
@@ -49,7 +49,7 @@ def test_a_beam_that_must_trip_must_stay(handout, damping):
     study, N = stiff(handout, damping), 2320.0
     (verdict,) = judged(study, N)
     near = {"f0": [F0], "C": [C], "pulse": "half sine", "horizon": HORIZON}
-    cube = snapmap.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
+    cube = flat.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
     assert cube.t_snap.notnull().all() and verdict.N_first < 0.55 * N
     stay = (cube.well == 2).values
     again = np.where(cube.well_reproduced == 1, stay, ~stay)

@@ -4,13 +4,13 @@ import itertools
 import re
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn
 
-import snapmap
 from snapmap.applications.requirements.check import check, judge, summary, worst
 from snapmap.applications.requirements.corners import Verdict, badness, corners, read_verdicts
 from snapmap.applications.requirements.figure import draw_margins
@@ -25,7 +25,7 @@ from snapmap.study.study import Study
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
     record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
-    threshold = snapmap.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
+    threshold = flat.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
     first, error = threshold.N_first.item(), threshold.N_error.item()
     assert threshold.scale_first.item() == pytest.approx(first / 100)
     amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
@@ -54,7 +54,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
-    row = snapmap.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    row = flat.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
     gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
     assert row.ragged and gap > 0
     ragged = {"N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0, "shocks": study.shocks}
@@ -67,7 +67,7 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
     shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
     asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
-    thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
+    thresholds = flat.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
     shocks = make_shocks(*shapes.values())
     required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)
@@ -136,7 +136,7 @@ def document(root):
 def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, document):
     """What the first damper needs must not make another requirement fail at the second."""
     study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
-    N_first = snapmap.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
+    N_first = flat.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
     light, damped = N_first.values.ravel()
     shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999, "pulse": {}}
     trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)

@@ -18,6 +18,7 @@ from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -85,7 +86,7 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     """The threshold of a slow pulse over the static one."""
     static = static_threshold(device, back=start == "second")
     rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
-    model, reach = build_model(device, "cosines", modes=3), tuple(static * np.array(reach))
+    model, reach = build_model(device, Cosines(modes=3)), tuple(static * np.array(reach))
     probe = Probe(model, rows, Run(0.0, start=start))
     return lowest_snap(probe, reach, 1e-4).item() / static
 

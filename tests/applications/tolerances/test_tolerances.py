@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,7 +14,6 @@ from small_results import artists, drawn
 from small_studies import TINY
 from varied import varied
 
-import snapmap
 from snapmap.applications import tolerances
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
@@ -110,13 +110,13 @@ def test_bounds_of_a_quantile_are_order_statistics():
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
     f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
-    made = snapmap.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
+    made = flat.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
     assert made.N_first.notnull().all() and (made.bistable == 1).all()
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
         values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
         stretched = np.array(f0) / sample.duration_factor.item()
-        alone = snapmap.threshold(varied(handout, **values), stretched, C, **CHEAP)
+        alone = flat.threshold(varied(handout, **values), stretched, C, **CHEAP)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
         # Clean rows may hide an island as narrow as their bars.
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
@@ -126,8 +126,8 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
 
 def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     f0, C = [300.0, 1000.0, 2000.0, 5000.0, 12000.0], [25.0]
-    made = snapmap.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
-    best = snapmap.threshold(handout, f0, C, model="cosines", modes=11)
+    made = flat.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
+    best = flat.threshold(handout, f0, C, model="cosines", modes=11)
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
@@ -144,11 +144,11 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
         ([1500], [0.025]),
     )
     how = {"samples": 1024, "tolerance": 1e-4, "threads": 2}
-    made = snapmap.tolerance(handout, scatters, *shock, **how, **CHEAP)
+    made = flat.tolerance(handout, scatters, *shock, **how, **CHEAP)
     linear, percent = [], np.array([0.99, 1.01])
     for key in scatters:
         ends = {key: percent * getattr(handout.beam, key)}
-        N = snapmap.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
+        N = flat.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
         linear.append(0.01 * (np.diff(np.log(N)) / np.diff(np.log(percent))).item())
     spread = np.linalg.norm(linear)
     assert (made.N_std / made.N_nominal).item() == pytest.approx(spread, rel=0.02)
@@ -167,7 +167,7 @@ def scattered(handout):
     how = {"samples": 128, "requirements": [drop]} | CHEAP
     scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
     f0 = [800.0, 1500.0, 3000.0]
-    return snapmap.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
+    return flat.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
 
 
 def test_samples_without_a_second_shape_count_and_never_snap(scattered):
@@ -181,7 +181,7 @@ def test_samples_without_a_second_shape_count_and_never_snap(scattered):
 
 @pytest.mark.usefixtures("paper")
 def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
-    made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    made = flat.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
     assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
     ax = drawn(figure.draw_probability, made.isel(C=0))
     assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
@@ -196,7 +196,7 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
         {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
     brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
-    made = snapmap.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
+    made = flat.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
     made = made.squeeze("C")
     first, rests = made.N_first_required.values
     trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
@@ -212,9 +212,9 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
     np.testing.assert_allclose(made.share_breaking, (followed > 320).mean("sample"))
     assert 0 < made.share_breaking.values[0] < 1
     alone = varied(handout, thickness=made.thickness[0].item())
-    run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
+    run = flat.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
     assert run.stress_max == pytest.approx(followed.values[0, 0], rel=0.05)
-    kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
+    kept = flat.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
@@ -226,14 +226,12 @@ def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
     asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
     how, rows = {"model": "cosines", "modes": 3, "horizon": 4000.0}, ([2000.0], [25.0])
-    made = snapmap.tolerance(
+    made = flat.tolerance(
         light, {"thickness": {"uniform": "1 %"}}, *rows, samples=32, requirements=asked, **how
     )
     ends = []
     for value in made.thickness.values:
-        cell = snapmap.sweep(
-            varied(light, thickness=value), [5600.0], *rows, pulse="half sine", **how
-        )
+        cell = flat.sweep(varied(light, thickness=value), [5600.0], *rows, pulse="half sine", **how)
         ends.append(cell.well.item())
     stay = np.mean(np.array(ends) == 2)
     assert 0.1 < stay < 0.95

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import partial
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,7 +13,6 @@ from matplotlib.contour import ContourSet
 from small_results import artists
 from varied import varied
 
-import snapmap
 from snapmap.applications.histories.history import extremes_of
 from snapmap.applications.window import figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
@@ -45,7 +45,7 @@ def met(strong):
 
 def test_a_window_ends_where_a_design_does(handout, met):
     asked = {"C": 25.0, "between": (1.9, 2.4), "requirements": ASKED}
-    design = snapmap.design(handout, "thickness", **asked, **CHEAP)
+    design = flat.design(handout, "thickness", **asked, **CHEAP)
     for name, end in (("stay", design.low), ("trip", design.high)):
         along = met.reserve.sel(C=25.0, requirement=name)
         along = along.sortby(along)
@@ -59,7 +59,7 @@ def test_a_window_ends_where_a_design_does(handout, met):
 def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
     device = varied(handout, thickness=2.1)
     asked = {"requirements": ASKED, "samples": 32, "index_samples": 2}
-    made = snapmap.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
+    made = flat.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
     here = met.sel(thickness=2.1, method="nearest")
     for key in ("yield", "yield_bound"):
         np.testing.assert_array_equal(here[key], made[key])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..beam.modal import natural_frequency
 from ..device.curved_beam import BEAM_VALUES, COSINES
-from ..device.device import Beam, Device
+from ..device.device import OF_MASS, Beam, Device
 from ..files.text import show
 from ..values.faults import Faults
 from ..values.paths import ExistingPath
@@ -116,8 +116,12 @@ class DeviceSection(Device):
     def beside(cls, written: Mapping) -> dict[str, str]:
         """Find values that a device lacks, or has too many, with a mass or without one."""
         faults = super().beside(written)
-        if written.get("mass") == "none" and "quality_factor" in written:
-            faults["quality_factor"] = "needs a mass; leave it out"
+        if written.get("mass") == "none":
+            extra = [key for key in (*OF_MASS, "quality_factor") if key in written]
+            faults |= dict.fromkeys(extra[1:], "needs a mass; leave it out")
+        if "force" in written and "gravity" in written:
+            line = "excludes force, as N counts multiples of either; write one of them"
+            faults["gravity"] = line
         return faults
 
     @property

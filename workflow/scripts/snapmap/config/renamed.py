@@ -1,7 +1,11 @@
-"""Keys of version 0.3, under their names of today."""
+"""Keys and values of version 0.3, as those of today."""
 
 import copy
 from collections.abc import Mapping
+
+from ..files.text import describe
+from ..values.kinds import kind_of
+from ..values.quantities import Share
 
 OF_DEVICE = {
     "beam.clamp.axial": "beam.clamp_axial",
@@ -37,7 +41,20 @@ def renew(document: Mapping) -> tuple[dict, list[str]]:
     devices = document.get("devices")
     for name, device in devices.items() if isinstance(devices, dict) else ():
         lines += _move(device, f"devices.{name}.", OF_DEVICE)
-    return document, lines
+    return document, lines + _without_percent(document.get("model"))
+
+
+def _without_percent(model):
+    """Convert the tolerance of a model from percent to the plain number of today."""
+    text = model.get("tolerance") if isinstance(model, dict) else None
+    if not isinstance(text, str) or not text.endswith("%"):
+        return []
+    try:
+        model["tolerance"] = kind_of(Share).read(text)
+    except ValueError:  # which is told beside all other faults
+        return []
+    words = f"{model['tolerance']:g} in place of {describe(text)}"
+    return [f"model.tolerance: is a plain number since version 0.4; write {words}"]
 
 
 def _move(section, path, names):

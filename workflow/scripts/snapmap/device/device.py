@@ -5,7 +5,7 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 
 import numpy as np
 
@@ -101,20 +101,11 @@ class Device:
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
-        """Find values that a device lacks, or has too many, with a mass or without one."""
-        mass, force = written.get("mass"), plain_numbers(written.get("force", 0.0))
-        alone = mass == "none" if isinstance(mass, str) else _is_all(mass, 0.0)
-        needs = {key: f"missing; write {kind_of(hints(cls)[key]).asks}" for key in NEEDED}
-        needed = [*(() if alone else NEEDED[:2]), *(() if "force" in written else NEEDED[2:])]
-        faults = {key: needs[key] for key in needed if key not in written}
-        for key in (key for key in OF_MASS if alone and key != "mass" and key in written):
-            if not _is_all(written[key], ALONE.get(key, _DEFAULTS[key])):
-                faults[key] = "needs a mass; leave it out"
-        pushed = "force" in written and (force is None or np.any(force))
-        if pushed and not _is_all(written.get("gravity", 1.0), 1.0):
-            more = "excludes force, as N counts multiples of either; write one of them"
-            faults["gravity"] = more
-        return faults
+        """Find values that a device lacks, with a mass or without one."""
+        needed = [*(() if is_none(written.get("mass")) else ("spring", "contact"))]
+        needed += () if "force" in written else ("gravity",)
+        missing = [key for key in needed if key not in written]
+        return {key: f"missing; write {kind_of(hints(cls)[key]).asks}" for key in missing}
 
     def __post_init__(self):
         """Complete what follows from other values; ValueError if some do not fit each other."""
@@ -122,9 +113,10 @@ class Device:
             warn_of_si("", "gravity", vars(self), UNITS)
         alone = np.equal(self.mass, 0)
         if np.all(alone):
-            for key, value in ALONE.items():
-                object.__setattr__(self, key, np.full(np.shape(self.mass), value)[()])
-        missing = {"gravity": 1.0, "temperature": self.reference_temperature}
+            far = np.full(np.shape(self.mass), math.inf) if np.ndim(self.mass) else math.inf
+            object.__setattr__(self, "gap", far)
+        missing = {"spring": 1.0, "contact": 1.0, "gravity": 1.0}
+        missing["temperature"] = self.reference_temperature
         for key, value in missing.items():
             if getattr(self, key) is None:
                 object.__setattr__(self, key, value)
@@ -223,16 +215,14 @@ class Device:
         }
 
 
-NEEDED = ("spring", "contact", "gravity")
+def is_none(mass: object) -> bool:
+    """Tell whether a mass is none: the word, 0, or a batch of zeros."""
+    if isinstance(mass, str):
+        return mass == "none"
+    numbers = plain_numbers(mass)
+    return numbers is not None and numbers.size > 0 and not np.any(numbers)
 
 
-def _is_all(value, number):
-    """Tell whether a value is a number, or an array of it."""
-    numbers = plain_numbers(value)
-    return numbers is not None and numbers.size > 0 and bool(np.all(np.equal(numbers, number)))
-
-
-_DEFAULTS = {field.name: field.default for field in fields(Device)}
 _KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}
 KINDS = {key: kind for key, kind in _KINDS.items() if isinstance(kind, Quantity)}
 """Kind of each number of a device, by name."""

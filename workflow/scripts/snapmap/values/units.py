@@ -157,7 +157,7 @@ def used(text: str, reads: str, typeset: bool = False) -> str:
     typeset: as on the page
     """
     number, _, unit = text.partition(" ")
-    if unit not in SPELT or not unit:
+    if not unit or not {unit, reads} & {*SPELT, *READ}:
         return text
     factor, page = READ.get(reads) or (1.0, SPELT[unit].page)
     words = page if typeset else reads if reads in READ else unit
