@@ -287,6 +287,7 @@ def warn_of_travel(rises: float, where: str = "") -> None:
     if rises > FARTHEST:
         warnings.warn(
             f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
-            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stops",
+            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stop_toward, "
+            "device.stop_away or both",
             stacklevel=3,
         )
