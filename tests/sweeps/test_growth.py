@@ -43,7 +43,7 @@ def cut(whole):
 def seconds(slab):
     """The expected time of a slab."""
     whole = study(slab["N"], slab["f0"])
-    model = build_model(whole.device, **whole.model)
+    model = build_model(whole.device, whole.model)
     f0, N = np.meshgrid(slab["f0"], slab["N"])
     cells = to_cells(whole.device, 0, N, f0, 1.0, whole.settings.horizon)
     return steps_and_seconds(model, cells, whole.settings)[1].sum()
