@@ -6,7 +6,6 @@ import flat
 import numpy as np
 import pytest
 import yaml
-from flat.thresholds.probe import Probe, lowest_snap
 from small_studies import changed
 from varied import varied
 
@@ -20,6 +19,7 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def scaled(device, length, mass, time):

@@ -155,7 +155,12 @@ class LawsKind(Kind):
         """Take laws, or read a file."""
         if not isinstance(value, str | Laws):
             raise ValueError(f"{show(value)} is not {self.need}")
-        return value if isinstance(value, Laws) else load_laws(value, sha256_of(value, *LAWS))
+        if isinstance(value, Laws):
+            return value
+        try:
+            return load_laws(value, sha256_of(value, *LAWS))
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("model.laws: ")) from error
 
     def read(self, value: object) -> Laws:
         """Read a file in the study's folder."""
