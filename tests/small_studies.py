@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
+from snapmap.values.faults import Faults
 
 MISSING = object()
 
@@ -27,7 +27,7 @@ def changed(document, **values):
 
 def faults(document):
     """The lines that refuse a document."""
-    with pytest.raises(ConfigError) as caught:
+    with pytest.raises(Faults) as caught:
         load_config(document)
     lines = str(caught.value).splitlines()
     assert lines == [*caught.value.args] and all(len(line) < 300 for line in lines)

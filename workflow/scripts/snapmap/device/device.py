@@ -119,7 +119,7 @@ class Device:
         alone = np.equal(self.mass, 0)
         if np.all(alone):
             for key, value in ALONE.items():
-                object.__setattr__(self, key, np.full(np.shape(self.mass), value)[()])
+                object.__setattr__(self, key, np.full(alone.shape, value) if alone.ndim else value)
         missing = {"gravity": 1.0, "temperature": self.reference_temperature}
         for key, value in missing.items():
             if getattr(self, key) is None:

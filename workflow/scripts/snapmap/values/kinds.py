@@ -131,6 +131,8 @@ class Quantity(Kind):
         """Convert numbers, text with a unit, and objects with one; a single one becomes a float."""
         if isinstance(value, str) and (self.unit or self.words or units.is_plain(value)):
             return self.read(value)
+        if isinstance(value, list | tuple) and any(isinstance(item, str) for item in value):
+            value = [self.take(item) for item in value]
         try:
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
@@ -202,8 +204,6 @@ class Several(Kind):
 
     def take(self, value: object) -> np.ndarray:
         """Convert numbers to a row, (n,)."""
-        if isinstance(value, list | tuple) and any(isinstance(item, str) for item in value):
-            value = [self.of.take(item) for item in value]
         try:
             row = np.atleast_1d(self.of.take(value))
         except ValueError as error:
