@@ -79,7 +79,10 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     columns = {}
     for key in table:
         column = _without_units(key, table[key]) if key in SHOCKS else table[key]
-        columns[str(key)] = np.asarray(column).ravel()
+        try:
+            columns[str(key)] = np.asarray(column).ravel()
+        except (ValueError, OverflowError):  # of arrays among numbers
+            raise ValueError(f"shots: {key}: {show(column)} is not a row") from None
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:
@@ -122,7 +125,7 @@ def _entry(key, row, value):
         return "" if is_empty else str(value)
     try:
         number = math.nan if is_empty else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = _with_unit(key, row, value)
     if not (is_empty or 0 < number < math.inf):
         raise ValueError(f"shots, row {row}: {key}: {show(value)} is not a number above 0")

@@ -56,7 +56,9 @@ def _take_name(value):
 NAME = "C or the name of a value of the device, such as thickness"
 PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
 ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _take_name)])
-Between = TypeAliasType("Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda ends: ends)])
+Between = TypeAliasType(
+    "Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda ends: ends)]
+)
 
 
 def design(
