@@ -13,7 +13,7 @@ import numpy as np
 from ..device.device import VALUES, Device, is_bistable
 from ..device.device import batch as batch_of
 from ..device.samples import SHOCK_FACTORS, nominal_value
-from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
+from ..solver.adaptive import Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress

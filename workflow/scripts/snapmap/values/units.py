@@ -194,11 +194,13 @@ def _quantity(value, target):
 
 
 def _converted(number, own, target):
-    """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay as they are."""
+    """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay."""
     if not math.isfinite(number):
         return number
     own = next((unit for unit, spelt in SPELT.items() if spelt.files == own), own)
-    own = _ALIAS.get(own, re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own))
+    own = _ALIAS.get(
+        own, re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
+    )
     if not _matches(re.compile(_UNIT, re.ASCII), own):
         raise ValueError(f"has an unknown unit, {show(own)}")
     return _convert(Decimal(repr(number)), own, target)
