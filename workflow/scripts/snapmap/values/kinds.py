@@ -137,8 +137,12 @@ class Quantity(Kind):
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        if array is None or not (right := self._holds(array)).all():
-            wrong = value if array is None or not array.ndim else array[~right].ravel()[0]
+        if array is None or not array.size or not (right := self._holds(array)).all():
+            wrong = (
+                value
+                if array is None or not array.ndim or not array.size
+                else array[~right].ravel()[0]
+            )
             raise ValueError(f"{show(wrong)} is not {self.need}")
         return array if array.ndim else array.item()
 
