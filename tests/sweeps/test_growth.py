@@ -2,6 +2,7 @@
 
 import itertools
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -15,7 +16,6 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
 from snapmap.sweeps.collect import collect_slabs
-from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
@@ -121,7 +121,7 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
     options = {"modes": 3} if model == "cosines" else {}
-    in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    in_one = flat.sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 

@@ -4,14 +4,16 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, fields, replace
 from os import PathLike
+from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 from ..beam.modal import natural_frequency
 from ..device.curved_beam import BEAM_VALUES, COSINES
 from ..device.device import OF_MASS, Beam, Device
-from ..files.text import show
 from ..values.faults import Faults
+from ..values.kinds import Fitting, kind_of
 from ..values.paths import ExistingPath
 from ..values.quantities import Quality
 from ..values.records import assemble, read, record
@@ -140,7 +142,17 @@ class DeviceSection(Device):
         return float(np.sqrt(self.spring * self.mass) / self.quality_factor)
 
 
-def load_device(source: ExistingPath | Mapping) -> Device:
+def _take_source(value):
+    return value if isinstance(value, Mapping) else kind_of(ExistingPath).take(value)
+
+
+Source = TypeAliasType(
+    "Source",
+    Annotated[str | PathLike | Mapping, Fitting("a path, or a mapping of a device", _take_source)],
+)
+
+
+def load_device(source: Source) -> Device:
     """Read the device of a config.
 
     Parameters
@@ -163,12 +175,8 @@ def load_device(source: ExistingPath | Mapping) -> Device:
     >>> snapmap.load_device("config/config.yaml").beam.thickness
     2.0
     """
-    if isinstance(source, Mapping):
-        document = {"device": source}
-    elif isinstance(source, str | PathLike):
-        document = read_document(source)
-    else:
-        raise ValueError(f"source: {show(source)} is not a path or a mapping")
+    is_section = isinstance(source, Mapping)
+    document = {"device": source} if is_section else read_document(source)
     document, _ = renew(document)
     if "device" not in document:
         raise Faults("device: missing; write a mapping: the beam, the mass and what they meet")

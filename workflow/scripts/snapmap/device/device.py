@@ -113,7 +113,7 @@ class Device:
             warn_of_si("", "gravity", vars(self), UNITS)
         alone = np.equal(self.mass, 0)
         if np.all(alone):
-            far = np.full(np.shape(self.mass), math.inf) if np.ndim(self.mass) else math.inf
+            far = np.full(alone.shape, math.inf) if alone.ndim else math.inf
             object.__setattr__(self, "gap", far)
         missing = {"spring": 1.0, "contact": 1.0, "gravity": 1.0}
         missing["temperature"] = self.reference_temperature

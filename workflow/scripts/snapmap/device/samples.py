@@ -56,7 +56,8 @@ def _take_width(key, width):
             return KINDS[key].take(width)
         except ValueError as error:
             raise ValueError(f".{key}: {error}") from None
-    return width
+    number = None if isinstance(width, str) else plain_numbers(width)
+    return width if number is None or number.ndim else number.item()
 
 
 Samples = TypeAliasType("Samples", Annotated[int, Whole(2, 100_000)])

@@ -11,7 +11,7 @@ from typing_extensions import TypeAliasType
 from ..files.tables import require_rising
 from ..files.text import show
 from ..numerics.portable import sines
-from ..values.kinds import Fitting, Single, Word
+from ..values.kinds import Quantity, Single, Word
 from ..values.quantities import Share
 from ..values.records import record
 from ..values.units import numbers_in
@@ -21,21 +21,13 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """Sign of the frame's acceleration at N above 0; along +z it presses the mass on the beam."""
 
 
-def _row(unit):
-    """Make the kind of a row of numbers in a unit."""
-    need = f"a row of numbers{f' in {unit}' if unit else ''}"
-
-    def fit(value):
-        row = numbers_in(value, unit)
-        if row is None:
-            raise ValueError(f"{show(value)} is not {need}")
-        return row
-
-    return Fitting(need, fit)
-
-
-Series = TypeAliasType("Series", Annotated[Sequence[float] | np.ndarray, _row("")])
-Times = TypeAliasType("Times", Annotated[Sequence[float] | np.ndarray, _row("us")])
+_ANY = "(-inf, inf)"
+Series = TypeAliasType(
+    "Series", Annotated[Sequence[float] | np.ndarray, Quantity("a plain number", interval=_ANY)]
+)
+Times = TypeAliasType(
+    "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
+)
 LASTS, COLUMNS = Single("a duration", "us"), 6
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""

@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 from ..device.device import VALUES, Device
 from ..files.text import show
 from ..solver.settings import STARTS
-from ..values.kinds import Kind, Several, Word, kind_of
+from ..values.kinds import Kind, Quantity, Several, Word, kind_of
 from ..values.quantities import Frequency, Positive
 from .axes import KIND_OF
 from .study import ANY, ARRIVES, DevicesKind, Study
@@ -65,6 +65,14 @@ class AxesKind(Kind):
             except ValueError as error:
                 raise ValueError(f".{key}: {error}") from None
         return axes
+
+
+def pair_of(key: str, ends: object) -> tuple[float, float]:
+    """Convert low and high end of a value of the device, or of C; ValueError, in one line."""
+    row = Quantity.take(KIND_OF[key], ends)  # of C, too, whose kind is single
+    if np.shape(row) != (2,):
+        raise ValueError(f"{show(ends)} is not a pair of numbers, low and high")
+    return tuple(row.tolist())
 
 
 class RequirementsKind(Kind):

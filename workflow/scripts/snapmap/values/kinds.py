@@ -135,12 +135,18 @@ class Quantity(Kind):
         """Convert numbers, text with a unit, and objects with one; a single one becomes a float."""
         if isinstance(value, str) and (self.unit or self.words or units.is_plain(value)):
             return self.read(value)
+        if isinstance(value, list | tuple) and any(isinstance(item, str) for item in value):
+            value = [self.take(item) for item in value]
         try:
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        if array is None or not (right := self._holds(array)).all():
-            wrong = value if array is None or not array.ndim else array[~right].ravel()[0]
+        if array is None or not array.size or not (right := self._holds(array)).all():
+            wrong = (
+                value
+                if array is None or not array.ndim or not array.size
+                else array[~right].ravel()[0]
+            )
             raise ValueError(f"{show(wrong)} is not {self.need}")
         return array if array.ndim else array.item()
 
@@ -215,8 +221,6 @@ class Several(Kind):
 
     def take(self, value: object) -> np.ndarray:
         """Convert numbers to a row, (n,)."""
-        if isinstance(value, list | tuple) and any(isinstance(item, str) for item in value):
-            value = [self.of.take(item) for item in value]
         try:
             row = np.atleast_1d(self.of.take(value))
         except ValueError as error:

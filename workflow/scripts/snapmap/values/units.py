@@ -71,6 +71,9 @@ _UNIT = rf"(?:(?<= )1 *(?=/))?(/? *{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
 _PLAIN = re.compile(_NUMBER, re.ASCII)
 _QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
 _LONGEST = 60
+_CELSIUS = ("degree_Celsius", "degrees_Celsius", "degree_C", "degrees_C", "deg_C", "celsius", "°C")
+_ALIAS = {**dict.fromkeys(_CELSIUS, "degC"), "kelvin": "K", "percent": "%"}
+"""Spellings of packages for units, and of CF, that text in a config does not have."""
 _ZERO = Decimal("273.15")
 _ARITHMETIC = Context(prec=40, traps=[])
 
@@ -104,6 +107,8 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
     elif own is not None and not hasattr(value, "attrs"):
         value = np.asarray(value)
     array = plain_numbers(value)
+    if own == "dimensionless":
+        own = ""
     if array is None or own is None or own in (unit, SPELT.get(unit, SPELT[""]).files):
         return array
     if not unit:
@@ -189,11 +194,13 @@ def _quantity(value, target):
 
 
 def _converted(number, own, target):
-    """Convert a float in a unit as packages for units spell it; inf and NaN stay as they are."""
+    """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay."""
     if not math.isfinite(number):
         return number
     own = next((unit for unit, spelt in SPELT.items() if spelt.files == own), own)
-    own = {"degree_Celsius": "degC", "deg_C": "degC", "kelvin": "K"}.get(own, own)
+    own = _ALIAS.get(
+        own, re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
+    )
     if not _matches(re.compile(_UNIT, re.ASCII), own):
         raise ValueError(f"has an unknown unit, {show(own)}")
     return _convert(Decimal(repr(number)), own, target)

@@ -13,8 +13,8 @@ from typing_extensions import TypeAliasType
 
 from ...device.device import VALUES
 from ...files.text import plain, show
-from ...study.arguments import SingleStudy
-from ...study.axes import COORDINATES, KIND_OF
+from ...study.arguments import SingleStudy, pair_of
+from ...study.axes import COORDINATES
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...values.kinds import Kind, kind_of
@@ -71,12 +71,10 @@ class UnknownsKind(Kind):
 
 
 def _pair(key, ends):
-    if isinstance(ends, list | tuple) and len(ends) == 2:
-        try:
-            return tuple(KIND_OF[key].take(end) for end in ends)
-        except ValueError as error:
-            raise ValueError(f".{key}: {error}") from None
-    raise ValueError(f".{key}: {show(ends)} is not a pair (low, high)")
+    try:
+        return pair_of(key, ends)
+    except ValueError as error:
+        raise ValueError(f".{key}: {error}") from None
 
 
 Table = TypeAliasType("Table", Annotated[str | Path | Mapping[str, Sequence], TableKind()])

@@ -78,13 +78,11 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     """
     columns = {}
     for key in table:
-        column = table[key]
-        if key in SHOCKS and unit_of(column):
-            try:
-                column = numbers_in(column, KIND_OF[key].unit)
-            except ValueError as error:
-                raise ValueError(f"shots: {key}: {show(column)} {error}") from None
-        columns[str(key)] = np.asarray(column).ravel()
+        column = _without_units(key, table[key]) if key in SHOCKS else table[key]
+        try:
+            columns[str(key)] = np.asarray(column).ravel()
+        except (ValueError, OverflowError):  # of arrays among numbers
+            raise ValueError(f"shots: {key}: {show(column)} is not a row") from None
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:
@@ -102,6 +100,19 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     return columns
 
 
+def _without_units(key, column):
+    """Convert a column, or its entries, that have a unit."""
+    unit = KIND_OF[key].unit
+    try:
+        if unit_of(column) is not None:
+            return numbers_in(column, unit)
+        if not isinstance(column, list | tuple):
+            return column
+        return [item if unit_of(item) is None else numbers_in(item, unit) for item in column]
+    except ValueError as error:
+        raise ValueError(f"shots: {key}: {show(column)} {error}") from None
+
+
 def _entry(key, row, value):
     """Convert a value of a column of shots, to a bool, text, or a number or NaN."""
     is_empty = value is None or value == "" or value != value
@@ -114,11 +125,19 @@ def _entry(key, row, value):
         return "" if is_empty else str(value)
     try:
         number = math.nan if is_empty else float(value)
-    except (TypeError, ValueError):
-        number = 0.0
+    except (TypeError, ValueError, OverflowError):
+        number = _with_unit(key, row, value)
     if not (is_empty or 0 < number < math.inf):
         raise ValueError(f"shots, row {row}: {key}: {show(value)} is not a number above 0")
     return number
+
+
+def _with_unit(key, row, value):
+    """Convert text with a unit."""
+    try:
+        return KIND_OF[key].take(value)
+    except ValueError as error:
+        raise ValueError(f"shots, row {row}: {key}: {error}") from None
 
 
 def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:

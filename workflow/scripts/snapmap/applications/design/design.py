@@ -14,7 +14,7 @@ from ...device.device import SIGNED, VALUES, Device, batch
 from ...device.samples import nominal_value
 from ...files.text import plain, show
 from ...pulse.shocks import Shocks
-from ...study.arguments import Requirements, SingleStudy
+from ...study.arguments import Requirements, SingleStudy, pair_of
 from ...study.axes import COORDINATES, KIND_OF
 from ...study.shock import Shock, take_shock
 from ...study.study import ANY, Study
@@ -53,16 +53,12 @@ def _take_name(value):
     return value
 
 
-def _take_pair(value):
-    if not isinstance(value, list | tuple | np.ndarray) or len(value) != 2:
-        raise ValueError(f"{show(value)} is not {PAIR}")
-    return tuple(value)
-
-
 NAME = "C or the name of a value of the device, such as thickness"
 PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
 ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _take_name)])
-Between = TypeAliasType("Between", Annotated[Sequence[float | str], Fitting(PAIR, _take_pair)])
+Between = TypeAliasType(
+    "Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda ends: ends)]
+)
 
 
 def design(
@@ -129,7 +125,7 @@ def design(
     if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
     try:
-        between = tuple(KIND_OF[value].take(end) for end in between)
+        between = pair_of(value, between)
     except ValueError as error:
         raise ValueError(f"between: {error}") from None
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
