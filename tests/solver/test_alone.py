@@ -27,7 +27,7 @@ def test_static_thresholds_are_the_largest_force_and_that_of_a_mass_far_away(han
     assert static_threshold(alone(handout)) == static_threshold(varied(handout, gap=1e4))
     tilts = alone(handout, 1.0, free=1.0, imperfection=0.01)
     for device in (alone(handout, 1.0), tilts):
-        force = snapmap.statics(device).largest_force
+        force = snapmap.statics(device).largest_force.item()
         assert static_threshold(device) == pytest.approx(force, rel=1e-4)
 
 

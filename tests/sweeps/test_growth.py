@@ -37,16 +37,16 @@ def study(N, f0, C=(25.0,), model="cosines"):
 
 
 def cut(whole):
-    return make_plan(whole.grid, whole.model, whole.settings).slabs
+    return make_plan(whole.grid, whole.model, whole.run).slabs
 
 
 def seconds(slab):
     """The expected time of a slab."""
     whole = study(slab["N"], slab["f0"])
-    model = build_model(whole.device, **whole.model)
+    model = build_model(whole.device, whole.model)
     f0, N = np.meshgrid(slab["f0"], slab["N"])
-    cells = to_cells(whole.device, 0, N, f0, 1.0, whole.settings.horizon)
-    return steps_and_seconds(model, cells, whole.settings)[1].sum()
+    cells = to_cells(whole.device, 0, N, f0, 1.0, whole.run.horizon)
+    return steps_and_seconds(model, cells, whole.run)[1].sum()
 
 
 def cells_of(slabs):
@@ -153,11 +153,11 @@ def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeyp
     one = study([1], [1000])
     grid = one.grid._replace(axes=one.grid.axes | most)
     with pytest.raises(ValueError, match=r"^sweep\.f0: up to "):
-        make_plan(grid, one.model, one.settings)
+        make_plan(grid, one.model, one.run)
     grid.axes["N"] = np.arange(1e6 + 1)
     line = r"^sweep: 1e\+10 cells, more than 1e\+10; write fewer points$"
     with pytest.raises(ValueError, match=line):
-        make_plan(grid, one.model, one.settings)
+        make_plan(grid, one.model, one.run)
 
 
 def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, followed):
