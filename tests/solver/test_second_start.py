@@ -151,9 +151,9 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     shock = {"N": 1000, "f0": "2 kHz", "snaps": True}
     whole["requirements"] = [{"name": "a", **shock, "start": "second"}, {"name": "b", **shock}]
     assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
-    whole["run"] = {"start": "second"}
+    whole["run"]["start"] = "second"
     study = load_config(whole)
     assert study.run.start == study.of_thresholds().run.start == "second"
-    whole["run"] = {"start": "third"}
+    whole["run"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)
