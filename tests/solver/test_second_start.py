@@ -53,7 +53,7 @@ def test_the_reset_force_is_the_closed_form(handout):
     for made in ({"residual_stress": -20.0}, {"cosine_2": 0.2, "residual_stress": -150.0}):
         device = alone(handout, 1.0, **made)
         least = snapmap.statics(device).least_force
-        assert static_threshold(device, back=True) == pytest.approx(-least, rel=1e-5)
+        assert static_threshold(device, back=True) == pytest.approx(-least.item(), rel=1e-5)
 
 
 def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
