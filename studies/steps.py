@@ -17,6 +17,7 @@ from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.settings import EDGE, SNAP, STAY, Run
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.probe import Probe
@@ -136,7 +137,7 @@ def _spread(errors):
 
 def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE, rules=RULES):
     """Find relative errors of the well-posed thresholds of a random device, (rules, rows)."""
-    model = build_model(batch([device]), "cosines", modes=COSINES)
+    model = build_model(batch([device]), Cosines(modes=COSINES))
     f0, C = draw_shocks(draw, device, frequencies)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
@@ -147,7 +148,7 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
 
 def errors_of_rows(device, rows, settings, rules=RULES):
     """Find relative errors of well-posed thresholds, (rules, rows); NaN if none is near."""
-    model = build_model(batch([device]), "cosines", modes=COSINES)
+    model = build_model(batch([device]), Cosines(modes=COSINES))
 
     def ask(rule):
         ruled, question = changed(model, **rule)
@@ -173,7 +174,7 @@ def stays():
     beam = replace(device.beam, damping=1e-3)
     for contact in few(CONTACTS):
         held = replace(device, beam=beam, contact=contact)
-        model = build_model(held, "cosines", modes=COSINES)
+        model = build_model(held, Cosines(modes=COSINES))
         cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
         ends = (with_longest(model, turn).follow(cells, settings).well for turn in few(STAYS))
         yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]

@@ -2,13 +2,14 @@
 
 import math
 
+import flat
 import numpy as np
 import pytest
 import yaml
+from flat.thresholds.probe import Probe, lowest_snap
 from small_studies import changed
 from varied import varied
 
-import snapmap
 from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.config.points import read_points
@@ -19,7 +20,6 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
-from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def scaled(device, length, mass, time):
@@ -48,12 +48,12 @@ def test_similar_devices_answer_alike(device, factors):
         return verb(scaled(device, length, mass, time), **rows, **how)
 
     N = [600.0, 900.0, 1300.0, 1800.0]
-    cube, similar = (ask(snapmap.sweep, *each, N=N) for each in ((1, 1, 1), factors))
+    cube, similar = (ask(flat.sweep, *each, N=N) for each in ((1, 1, 1), factors))
     assert 0 < cube.t_snap.notnull().sum() < cube.t_snap.size
     np.testing.assert_array_equal(similar.outcome, cube.outcome)
     for key in ("t_snap", "t_settled"):
         np.testing.assert_allclose(similar[key] / factors[2], cube[key], rtol=1e-12)
-    edge, similar = (ask(snapmap.threshold, *each) for each in ((1, 1, 1), factors))
+    edge, similar = (ask(flat.threshold, *each) for each in ((1, 1, 1), factors))
     for key in ("N_first", "N_always", "N_static", "N_bound"):
         np.testing.assert_allclose(similar[key], edge[key], rtol=1e-12)
     # At its threshold the time of a snap magnifies what rounding does to N.

@@ -23,7 +23,7 @@ BROUGHT = {
     *("annotated-types", "pydantic-core", "typing-inspection"),
     *("packaging", "pandas", "pillow", "pyparsing", "python-dateutil", "six", "tzdata"),
 }
-"""By the eight, some of them by old versions."""
+"""By those, some of them by old versions."""
 
 SOLVE = """
 import snapmap

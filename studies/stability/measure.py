@@ -12,6 +12,7 @@ from snapmap.device.device import Device
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Chosen
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Run
 from snapmap.solver.steps import stability_limit
@@ -55,13 +56,13 @@ VARIABLES = {
 def measure(
     device: Device,
     cases: Sequence[Case] = CASES,
-    models: Mapping[str, Mapping] = MODELS,
+    models: Mapping[str, Chosen] = MODELS,
     steps: Sequence[float] = STEPS,
     threads: int = 1,
 ) -> xr.Dataset:
     """Follow every case with every model at every step.
 
-    models: name and options of each, by label; steps: shares of the stability limit
+    models: by label; steps: shares of the stability limit
     The variables default_* are those of a sweep, which takes the default step, and halves it if a
     ledger does not close.
     """
@@ -74,7 +75,7 @@ def measure(
 
 def dress(
     cases: Sequence[Case],
-    models: Mapping[str, Mapping],
+    models: Mapping[str, Chosen],
     steps: Sequence[float],
     values: Mapping[str, np.ndarray],
 ) -> xr.Dataset:
@@ -93,16 +94,16 @@ def dress(
 
 
 def measure_pair(
-    device: Device, case: Case, options: Mapping, steps: Sequence[float]
+    device: Device, case: Case, chosen: Chosen, steps: Sequence[float]
 ) -> dict[str, object]:
     """Follow one case with one model; returns values by the names of the dataset.
 
-    options: of the model, with its name; steps: shares of its stability limit
+    steps: shares of its stability limit
     A list holds a value for each step.
     """
     device = changed(device, case)
     try:
-        model = build_model(device, **options)
+        model = build_model(device, chosen)
     except ValueError:
         return _blank(steps, REFUSED)
     is_plain = model.name == "reference"

@@ -5,6 +5,7 @@ import datetime
 import math
 import random
 import re
+import warnings
 from functools import reduce
 from operator import getitem
 
@@ -111,7 +112,8 @@ DAMAGES += [(path, damage) for path in NAMED for damage in (delete, rename)]
 def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
-        study = load_config(document)
+        with warnings.catch_warnings(action="error"):  # of what a fault leaves out
+            study = load_config(document)
         make_plan(study.grid, study.model, study.run, gather(lambda part: part.alone(study)))
     except Faults as error:
         lines = list(error.args)

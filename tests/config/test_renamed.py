@@ -98,7 +98,9 @@ def test_an_old_key_beside_that_of_today_is_unknown(key):
 
 
 def test_old_keys_of_several_devices_are_told_for_each():
-    devices = {name: old("device.stops.away")["device"] for name in ("one", "two")}
+    """Also where YAML's aliases make their sections one."""
+    one = old("device.stops.away")["device"]
+    devices = {"one": one, "two": one | {"spring": "5 N/m"}}
     study = load_config(changed(TODAY, device=MISSING) | {"devices": devices})
     assert [device.stop_away for device in study.devices().values()] == [3.0, 3.0]
     assert [line.split(": ")[0] for line in study.renamed] == [

@@ -2,6 +2,7 @@
 
 import itertools
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -121,7 +122,8 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
     options = {"modes": 3} if model == "cosines" else {}
-    in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    options |= {"horizon": 200.0, "until": "snap"}
+    in_one = sweep(flat.study(whole.device, model, options), **new)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 

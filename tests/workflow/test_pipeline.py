@@ -19,6 +19,7 @@ from small_workflow import snakemake, wait_for
 import snapmap
 from snapmap.applications import attached, gather, window
 from snapmap.config.study import load_config
+from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.made import HEAD, LIST
 from snapmap.workflow.products import choose_views
@@ -86,12 +87,12 @@ def finished(clone, tmp_path_factory):
 
 def test_cube_and_thresholds_are_what_python_gives(finished):
     results, device = finished[0] / "results", snapmap.load_device(finished[1])
-    options = {"model": "cosines", "modes": 3, "horizon": 200.0}
+    study = snapmap.Study(device, model=Cosines(modes=3), run={"horizon": 200.0})
     with xr.open_dataset(results / "threshold.nc") as edges:
         axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
-        xr.testing.assert_equal(edges, snapmap.threshold(device, **axes, **options))
+        xr.testing.assert_equal(edges, snapmap.threshold(study, **axes))
     with xr.open_dataset(results / "cube.nc") as cube:
-        direct = snapmap.sweep(device, N=cube.N, f0=cube.f0, C=cube.C, **options)
+        direct = snapmap.sweep(study, N=cube.N, f0=cube.f0, C=cube.C)
         xr.testing.assert_equal(cube, direct)
         assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
         assert cube.outcome.dtype == "int8" and cube.t_snap.dtype == "float64"
@@ -246,7 +247,7 @@ CHANGES = {
         "sweep:",
         "pulse: {shape: half sine}\nsweep:",
     ),
-    "sweep.horizon is 200 us, not 300 us": ("horizon: 200 us", "horizon: 300 us"),
+    "run.horizon is 200 us, not 300 us": ("horizon: 200 us", "horizon: 300 us"),
 }
 
 

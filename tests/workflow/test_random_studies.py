@@ -14,10 +14,12 @@ from snapmap.values.faults import Faults
 SEEDS = 0, 2, 3, 6, 7, 8, 12, 15, 16, 17
 FEATURES = (
     "force:",
-    "guide:",
-    "stops:",
+    "free:",
+    "stop_away:",
     "contact_at:",
     "strength:",
+    "strength_modulus:",
+    "damper_exponent:",
     "devices:",
     "train:",
     "file:",

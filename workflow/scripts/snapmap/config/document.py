@@ -25,6 +25,8 @@ from .shocks import TIMED, PulseSection, one_time
 
 AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
 """Names of axes of figures."""
+OF_SNAKEMAKE = "threads"
+"""The value of a run that no config has."""
 
 
 class AxisName(Kind):
@@ -75,12 +77,13 @@ class LinesSection:
     """as in maps"""
 
 
-def _axis(key, kind):
-    values = Annotated[np.ndarray, Several(kind)]
-    return values, f"values in place of the device's own {key.replace('_', ' ')}"
+def _axis(kind):
+    return Annotated[
+        np.ndarray, Several(kind)
+    ], "values in place of the device's own, a list or a range"
 
 
-_Axes = row_of_kinds("Axes", {key: _axis(key, KIND_OF[key]) for key in VALUES})
+_Axes = row_of_kinds("Axes", {key: _axis(KIND_OF[key]) for key in VALUES})
 
 
 @record
@@ -88,7 +91,7 @@ class SweepSection(_Axes):
     """The axes: a list, or a range with both ends, of each."""
 
     N: Amplitudes | None = None
-    """peaks of the shock over gravity; required"""
+    """peaks of the shock over gravity"""
     f0: Frequencies | None = None
     """1/duration of the shock; required, or `duration`, or a pulse that has its own"""
     duration: PulseTimes | None = None
@@ -129,7 +132,7 @@ class Core:
     devices: dict[str, DeviceSection] | None = None
     """devices by name, which are an axis"""
     model: Model = None
-    """how a cell is simulated; required"""
+    """how a cell is simulated"""
     pulse: PulseSection | None = None
     """the shock; a versed sine along +z if left out"""
     run: Run = Run()
@@ -137,7 +140,7 @@ class Core:
     skip: Truth = False
     """whether points without a second stable shape are left out, not refused"""
     sweep: SweepSection | None = None
-    """the axes; required"""
+    """the axes"""
     maps: list[MapSection] | None = None
     """maps {x, y, at}; N over f0 at each point of the other axes, at most 12, if left out"""
     thresholds: list[LinesSection] | None = None
@@ -163,8 +166,8 @@ class Core:
             if not (isinstance(name, str) and re.fullmatch("[A-Za-z][A-Za-z0-9_-]{0,30}", name)):
                 need = "a name of letters, digits, - and _, at most 31 of them"
                 faults["devices", name] = f"{describe(name)} is not {need}"
-        if isinstance(run := written.get("run"), Mapping) and "threads" in run:
-            faults["run", "threads"] = "is given to Snakemake, as --cores; leave it out"
+        if isinstance(run := written.get("run"), Mapping) and OF_SNAKEMAKE in run:
+            faults["run", OF_SNAKEMAKE] = "is given to Snakemake, as --cores; leave it out"
         if isinstance(sweep := written.get("sweep"), Mapping):
             pulse = written.get("pulse")
             itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)

@@ -39,8 +39,9 @@ def renew(document: Mapping) -> tuple[dict, list[str]]:
     document = copy.deepcopy(dict(document))
     lines = _move(document, "", OF_SWEEP) + _move(document.get("device"), "device.", OF_DEVICE)
     devices = document.get("devices")
-    for name, device in devices.items() if isinstance(devices, dict) else ():
-        lines += _move(device, f"devices.{name}.", OF_DEVICE)
+    for name in devices if isinstance(devices, dict) else ():
+        devices[name] = copy.deepcopy(devices[name])  # which YAML's aliases may share
+        lines += _move(devices[name], f"devices.{name}.", OF_DEVICE)
     return document, lines + _without_percent(document.get("model"))
 
 

@@ -54,6 +54,8 @@ class Beam:
 
     A plain number counts in um, MPa, ng/um^3 and 1/us; text has its unit, as "150 GPa".
 
+    Examples
+    --------
     >>> snapmap.load_device("config/config.yaml").beam.rise
     10.0
     """

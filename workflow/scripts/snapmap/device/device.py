@@ -51,6 +51,8 @@ class Device:
 
     A plain number counts in um, ng, uN/um, MPa, um/us^2 and degC; text has its unit.
 
+    Examples
+    --------
     >>> sizes = {"span": "600 um", "rise": 10.0, "thickness": 2.0, "depth": 22.0}
     >>> beam = snapmap.Beam(**sizes, youngs_modulus="150 GPa", density="2330 kg/m^3")
     >>> device = {"mass": "1e-8 kg", "spring": 5.5, "contact": 40.0, "gravity": "9.81 m/s^2"}

@@ -65,15 +65,36 @@ def N_of_g(gravity: float) -> float:
     return 1.0 if not gravity or abs(gravity / G - 1) < NEAR_G else G / gravity
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pulse:
     """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
-    duration: us, of a recorded shock, train or drop; None where f0 sets it
-    peak: um/us^2, of a recorded shock in known units or of a drop from its height; else NaN
-    notes: warnings about a recorded shock
+    Parameters
+    ----------
+    name
+        What stands in files and figures.
+    pieces
+        Lines and waves, (pieces, 6): begin, value, slope, turns per duration, lift and swing.
+    duration
+        Duration of a recorded shock, train or drop, us; None where f0 sets it.
+    peak
+        Peak of a recorded shock in known units, or of a drop from its height, um/us^2; else NaN.
+    section
+        What a config has under `pulse` for it.
+    notes
+        Warnings about a recorded shock.
+    blows
+        x at which each blow of a train begins, ascending.
+    swing
+        Share of the duration that the fastest change of a train takes.
+    strongest
+        The blow of a train that changes the velocity most.
 
+    Examples
+    --------
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
+    >>> saw.at(0.125).item()
+    0.5
     """
 
     name: str
@@ -109,6 +130,10 @@ class Pulse:
             raise ValueError(f"pulse: duration {error}, or None") from None
         object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
+
+    def __repr__(self):
+        """Write the name, as signatures show a pulse as a default."""
+        return f"<Pulse {self.name!r}>"
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -303,11 +328,27 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
 def sampled(time: Times, acceleration: Series, name: str = "recorded") -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 
-    time: us, ascending, (samples,)
-    acceleration: along +z, (samples,), in any unit; N scales its largest absolute value
-    name: stands in files and figures
-    Raises ValueError for samples that are no shock from rest to rest.
+    Parameters
+    ----------
+    time
+        Times of the samples, us, ascending, (samples,).
+    acceleration
+        Acceleration along +z, (samples,), in any unit; N scales its largest absolute value.
+    name
+        What stands in files and figures.
 
+    Returns
+    -------
+    Pulse
+        The shock, for `Study(device, pulse=...)`; f0 is then None.
+
+    Raises
+    ------
+    ValueError
+        One line, for samples that are no shock from rest to rest.
+
+    Examples
+    --------
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """

@@ -34,11 +34,26 @@ Hash = TypeAliasType("Hash", Annotated[str, Fitting("64 hexadecimal digits", _ta
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
     """Read a recorded shock; it keeps its duration, and N scales its largest acceleration.
 
-    path: CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
-        `time (ms),acceleration (g)`
-    sha256: expected hash of the file, 64 hexadecimal digits; empty for any
-    Raises ValueError, one line with the path, for a file that is no such record.
+    Parameters
+    ----------
+    path
+        CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
+        `time (ms),acceleration (g)`.
+    sha256
+        Expected hash of the file, 64 hexadecimal digits; empty for any.
 
+    Returns
+    -------
+    Pulse
+        The shock, for `Study(device, pulse=...)`; f0 is then None.
+
+    Raises
+    ------
+    ValueError
+        One line with the path, for a file that is no such record.
+
+    Examples
+    --------
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0
     """

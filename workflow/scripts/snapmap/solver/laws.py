@@ -68,14 +68,35 @@ def reference(
 ) -> object:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
-    damping: function (C, velocity, place) that returns the drag on the mass, uN, else C velocity
-    contact: function (stiffness, overlap) that returns the force that separates mass and beam, uN
-    force: function (displacement) that returns the force that holds the midpoint, uN
-    numba compiles these functions of floats, in um and us; docs/own-physics.md describes them.
+    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
 
+    Parameters
+    ----------
+    damping
+        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
+    contact
+        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
+        stiffness times overlap.
+    force
+        Function (displacement) that returns the force that holds the midpoint, uN; by default that
+        of the beam.
+
+    Returns
+    -------
+    Reference
+        The model, for `Study(device, model=...)`.
+
+    Raises
+    ------
+    ValueError
+        One line, for a law that numba cannot compile, or if there is none.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
+    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
+    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
     'snapped'
     """
     from .options import Reference

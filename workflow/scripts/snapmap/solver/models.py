@@ -305,7 +305,8 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
     if laws := chosen.laws:
         for key, refused in {
             "model.elements:": laws.force and chosen.elements != Elements.elements,
-            "device.stops:": laws.contact and device.has_stops,
+            "device.stop_toward:": laws.contact and np.isfinite(device.stop_toward),
+            "device.stop_away:": laws.contact and np.isfinite(device.stop_away),
             "device.contact_at:": device.has_electrode,
             "device.strength:": np.isfinite(device.strength),
             "device.mass: none": device.is_alone,

@@ -18,7 +18,13 @@ TOLERANCE = 1e-3
 
 @record
 class Auto:
-    """The cheapest sufficient number of cosines for each cell."""
+    """The cheapest sufficient number of cosines for each cell.
+
+    Examples
+    --------
+    >>> snapmap.Auto(tolerance=0.01)
+    Auto(tolerance=0.01)
+    """
 
     tolerance: Fraction = TOLERANCE
     """largest relative error of thresholds"""
@@ -30,7 +36,14 @@ class Auto:
 
 @record
 class Cosines:
-    """Symmetric cosines."""
+    """Symmetric cosines.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> snapmap.Study(device, model=snapmap.Cosines(modes=3)).model
+    Cosines(modes=3)
+    """
 
     modes: Modes | None = None
     """number of modes; all if left out"""
@@ -44,7 +57,13 @@ class Cosines:
 
 @record
 class Elements:
-    """Hermite elements on the half beam, as in the handout."""
+    """Hermite elements on the half beam, as in the handout.
+
+    Examples
+    --------
+    >>> snapmap.Elements(modes=4).elements
+    5
+    """
 
     elements: Count = 5
     """number of elements on the half beam"""
@@ -58,7 +77,13 @@ class Elements:
 
 @record
 class Reference:
-    """The handout's central differences in a plain loop; slow."""
+    """The handout's central differences in a plain loop; slow.
+
+    Examples
+    --------
+    >>> snapmap.Reference(elements=10)
+    Reference(elements=10)
+    """
 
     elements: Count = 5
     """number of elements on the half beam"""

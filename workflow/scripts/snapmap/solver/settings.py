@@ -21,7 +21,13 @@ THRESHOLD_TOLERANCE = 1e-4
 
 @record
 class Run:
-    """How each cell is followed."""
+    """How each cell is followed.
+
+    Examples
+    --------
+    >>> snapmap.Run(horizon="0.5 ms", until="snap").horizon
+    500.0
+    """
 
     horizon: Duration = 1500.0
     """time followed after the pulse's end"""

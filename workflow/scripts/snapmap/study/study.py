@@ -58,6 +58,8 @@ class Study:
 
     A Device alone is taken as a study of it.
 
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> snapmap.Study(device, model="cosines", run={"horizon": "0.5 ms"}).run.horizon
     500.0

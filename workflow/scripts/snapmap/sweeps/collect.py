@@ -93,10 +93,25 @@ def open_slabs(paths: Sequence[str | Path], code: str | None = None) -> xr.Datas
 
 
 def open_cube(path: ExistingPath) -> xr.Dataset:
-    """Open a cube; its variables are those of `sweep`, and `outcome` holds codes there, too.
+    """Open a cube of a study.
 
-    path: a file, or a folder of slabs, which dask reads lazily, a block for each slab
+    Parameters
+    ----------
+    path
+        A file, or a folder of slabs, which dask reads lazily, a block for each slab.
 
+    Returns
+    -------
+    Dataset
+        The cube, as `sweep` returns it; `words` gives the words of `outcome`.
+
+    Raises
+    ------
+    ValueError
+        One line with the path, for a file that is damaged or no cube.
+
+    Examples
+    --------
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):
     ValueError: config/config.yaml: is not a cube; open one such as results/cube.nc

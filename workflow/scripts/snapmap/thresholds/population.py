@@ -13,7 +13,7 @@ import numpy as np
 from ..device.device import VALUES, Device, is_bistable
 from ..device.device import batch as batch_of
 from ..device.samples import SHOCK_FACTORS, nominal_value
-from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
+from ..solver.adaptive import Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
@@ -184,7 +184,7 @@ def choose_levels(device: Device, model: Chosen, rows: Rows, settings: Run) -> l
     if model.name != "auto":
         return [Choice(left)]
     auto = choose_model(batch_of([device]), model, settings.start)
-    accepted = model.get("tolerance", TOLERANCE)
+    accepted = model.tolerance
     rough = nominal_thresholds(Probe(auto.base.with_step(4.0), rows, settings), accepted)
     finest, same = (Probe(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     reach = distance(finest, rough, accepted)

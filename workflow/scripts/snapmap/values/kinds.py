@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import ClassVar, Union, get_args
+from typing import Any, ClassVar, Union, get_args
 
 import numpy as np
 from pydantic_core.core_schema import (
@@ -18,7 +18,7 @@ from pydantic_core.core_schema import (
     with_info_wrap_validator_function,
 )
 
-from ..files.text import describe, show
+from ..files.text import describe, plain, show
 from ..numerics.portable import geometric, linear
 from . import units
 from .faults import Faults, few, name_of
@@ -74,6 +74,10 @@ class Kind:
     def read(self, value: object) -> object:
         """Convert a value of a config."""
         return self.take(value)
+
+    def write(self, value: Any) -> object:
+        """Write a value as a config has it."""
+        return value
 
     def schema(self) -> dict:
         """Describe, in JSON Schema, what a config has."""
@@ -158,6 +162,13 @@ class Quantity(Kind):
             raise ValueError(f"{describe(value)} {error}; write {self.noun}{such}{also}") from None
         return number
 
+    def write(self, value: float) -> object:
+        """Write a number with its unit."""
+        if self.unit == "%":
+            return f"{plain(100 * value)} %"
+        text = units.used(f"{value} {self.unit}", self.reads) if self.unit else value
+        return text.replace(" 1/", " /") if self.unit else value
+
     def schema(self) -> dict:
         """Describe text with a unit, or a number."""
         number = r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?"
@@ -167,7 +178,9 @@ class Quantity(Kind):
         else:
             some = [{"type": "number"}, {"type": "string", "pattern": rf"^{number}\s*$"}]
         some += [{"enum": [word for word, _ in self.words]}] if self.words else []
-        about = {"title": self.asks} | ({"examples": [self.example]} if self.example else {})
+        such = f", such as {self.example}" if self.example else ""
+        about = {"title": self.asks, "errorMessage": f"write {self.asks}{such}"}
+        about |= {"examples": [self.example]} if self.example else {}
         return about | (some[0] if len(some) == 1 else {"anyOf": some})
 
 
@@ -380,6 +393,10 @@ class Fitting(Kind):
     def take(self, value: object) -> object:
         """Convert a value by the function."""
         return self.fit(value)
+
+    def write(self, value: Any) -> object:
+        """Write a truth that is held as a number."""
+        return bool(value) if self.schema() == {"type": "boolean"} else value
 
     def schema(self) -> dict:
         """Describe what a config has."""

@@ -10,15 +10,18 @@ section)` reads a section of a config, `schema(Run)` describes it to an editor, 
 docs/config.md.
 """
 
+import ast
 import functools
+import inspect
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
+from itertools import pairwise
 from math import inf
+from textwrap import dedent
 from typing import (
-    Annotated,
     Any,
     Literal,
     NamedTuple,
@@ -29,14 +32,14 @@ from typing import (
 )
 
 import numpy as np
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 from pydantic_core.core_schema import with_info_wrap_validator_function
 from typing_extensions import dataclass_transform
 
 from ..files.text import describe, show
 from .faults import LONGEST_KEY, Faults, few, line_at
-from .kinds import WRITTEN, Word, kind_of
+from .kinds import WRITTEN, Quantity, Word, kind_of
 
 MOST_KNOWN = 20
 """Most keys that a message lists in full; of more, it lists half as many, the nearest."""
@@ -52,13 +55,39 @@ def record(made: type[Made]) -> type[Made]:
     written: those that are there, by key. Its `__post_init__` may raise ValueError, `key: ...`.
     """
     made.__repr__ = _write
-    made.__pydantic_config__ = {"extra": "forbid", "use_attribute_docstrings": True}
+    made.__pydantic_config__ = {"extra": "forbid"}
     made.__get_pydantic_core_schema__ = classmethod(_explained)
-    words = made.__doc__
+    made.__get_pydantic_json_schema__ = classmethod(_described)
+    words = made.__doc__  # not the signature that a dataclass has where python -OO has no words
     made = dataclass(frozen=True, repr=False)(made)
-    made.__doc__ = words  # which is no signature, also where python -OO has no docstrings
+    made.__doc__ = _Docstring(words)
     made.__init__ = _converting(made.__init__, [field.name for field in fields(made)])
     return made
+
+
+class _Docstring:
+    """The docstring of a record, with its fields as parameters once someone reads it."""
+
+    def __init__(self, text):
+        """Take the text of the class."""
+        self.text = text
+
+    def __get__(self, whole, made):
+        """Write it in the form of numpydoc."""
+        if not self.text:
+            return None
+        text, heading, examples = inspect.cleandoc(self.text).partition("\n\nExamples\n")
+        lines = [text, "", "Parameters", "----------"]
+        for key, what, _, default, _ in rows(made):
+            said = "" if default is None else f", default {default}"
+            lines += [f"{key} : {_taken(hints(made)[key])}{said}", f"    {what}"]
+        return "\n".join(lines) + heading + examples
+
+
+def _taken(hint):
+    """Say what Python takes for an annotation."""
+    kind, holder = kind_of(hint), record_in(hint)
+    return kind.need if kind else holder.__name__ if holder else need_of(hint)
 
 
 def _converting(initialize, names):
@@ -292,15 +321,41 @@ def _list_of(path):
 
 def need_of(hint: object) -> str:
     """Say what is right for an annotation, in words that follow "is not" or "write"."""
+    parts = (hint, *get_args(hint))
     if kind := kind_of(hint):
         return kind.asks
-    if get_origin(hint) is Literal:
-        return f"one of {', '.join(map(str, get_args(hint)))}"
+    if words := next((get_args(part) for part in parts if get_origin(part) is Literal), ()):
+        return f"one of {', '.join(map(str, words))}"
+    if str in parts:
+        return "text"
     if holder := record_in(hint):
-        words = re.split("[;\n]", holder.__doc__ or "")[0].rstrip(".")  # python -OO has none
+        words = re.split("[;\n]", summary(holder))[0].rstrip(".")
         return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
-    lists = [part for part in (hint, *get_args(hint)) if get_origin(part) is list]
+    lists = [part for part in parts if get_origin(part) is list]
     return f"a list, each {need_of(get_args(lists[0])[0])}" if lists else "a mapping"
+
+
+def summary(made: type) -> str:
+    """Give the first paragraph of a record's docstring; python -OO has none."""
+    return inspect.cleandoc(vars(made)["__doc__"].text or "").partition("\n\n")[0]
+
+
+@cache
+def sentences(made: type) -> dict[str, str]:
+    """Give the sentence of each field, as the source says it."""
+    found = {}
+    for part in filter(is_dataclass, reversed(made.__mro__)):
+        found |= vars(part).get("sentences") or _written_in(part)
+    return found
+
+
+def _written_in(made):
+    body = ast.parse(dedent(inspect.getsource(made))).body[0].body
+    return {
+        field.target.id: " ".join(said.value.value.split())
+        for field, said in pairwise(body)
+        if isinstance(field, ast.AnnAssign) and isinstance(said, ast.Expr)
+    }
 
 
 def row_of_kinds(
@@ -310,12 +365,12 @@ def row_of_kinds(
 
     above: record whose fields it has, too
     """
-    hints = {
-        key: Annotated[hint | None, Field(description=what)] for key, (hint, what) in kinds.items()
+    body = dict.fromkeys(kinds) | {
+        "__annotations__": {key: hint | None for key, (hint, _) in kinds.items()},
+        "sentences": {key: what for key, (_, what) in kinds.items()},
     }
-    body = dict.fromkeys(kinds) | {"__annotations__": hints}
     if above:
-        body["__doc__"] = above[0].__doc__
+        body["__doc__"] = vars(above[0])["__doc__"].text
     return record(type(name, above, body))
 
 
@@ -324,26 +379,74 @@ def schema(made: type) -> dict:
     return adapter(made).json_schema()
 
 
+def _described(made, core, handler):
+    """Describe a record to `schema`, with sentences and defaults as a config has them."""
+    described = handler(core)
+    whole = handler.resolve_ref_schema(described)
+    whole.pop("title", None)
+    whole["description"] = summary(made)
+    whole["required"] = []
+    for row in rows(made):
+        about = whole["properties"][row.key]
+        options = [part for part in about.pop("anyOf", ()) if part != {"type": "null"}]
+        about |= options[0] if len(options) == 1 else {"anyOf": options} if options else {}
+        for key in ("default", "title"):
+            about.pop(key, None)
+        about |= {"description": row.what}
+        about |= {} if row.default is None else {"default": row.default}
+        if row.required or "const" in about:
+            whole["required"].append(row.key)
+    if instead := {key: others for key, others in _instead(made).items() if others}:
+        whole["allOf"] = [
+            {"anyOf": [{"required": [key]}, *map(_has, others)]} for key, others in instead.items()
+        ]
+    return described
+
+
+def _has(part):
+    """Describe a section that has a value; {} is any."""
+    ((key, value),) = part.items()
+    return {"required": [key]} | ({"properties": {key: {"const": value}}} if value else {})
+
+
 class Row(NamedTuple):
-    """A row of a table of keys: what it is, what is right, what holds if it is left out."""
+    """A row of a table of keys: what it is, what is right, what holds if it is left out.
+
+    default: as a config has it; None if there is none that a config could have
+    """
 
     key: str
     what: str
     need: str
-    default: str
+    default: object
+    required: bool
 
 
 def rows(made: type) -> Iterator[Row]:
     """Yield a row for each key of a record."""
-    about = schema(made)
-    about = about.get("$defs", {}).get(made.__name__, about)["properties"]
+    instead = _instead(made)
     for field in fields(made):
-        what = about[field.name].get("description", "")
-        yield Row(field.name, what, need_of(hints(made)[field.name]), _default(field))
+        hint = hints(made)[field.name]
+        needed = _is_required(made, field.name) or instead.get(field.name) == []
+        what = sentences(made).get(field.name, "")
+        yield Row(field.name, what, need_of(hint), _default(field.default, hint), needed)
 
 
-def _default(field):
-    if field.default is MISSING:
-        return "" if field.default_factory is not MISSING else "required"
-    plain = isinstance(field.default, str | int | float) and field.default not in (inf, -inf)
-    return str(field.default) if plain else ""
+def _instead(made):
+    """Find, for each key that an empty section misses, what can stand in its place."""
+    written = []
+    for key, hint in hints(made).items():
+        kind = kind_of(hint)
+        words = kind.words if isinstance(kind, Quantity) else ()
+        written.append({key: words[0][0] if words else {}})
+    return {
+        key: [part for part in written if key not in {**part, **beside(made, part)}]
+        for key in beside(made, {})
+    }
+
+
+def _default(default, hint):
+    if not isinstance(default, str | int | float) or default in (inf, -inf):
+        return None
+    kind = kind_of(hint)
+    return kind.write(default) if kind else default

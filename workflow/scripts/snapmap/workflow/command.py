@@ -16,7 +16,7 @@ from ..files.named import naming
 PACKAGE = Path(__file__).parents[1]
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: within the package in a wheel, else the checkout."""
-CONFIG = "config.yaml"
+CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
 SEARCH = 750
@@ -54,13 +54,14 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def init(folder: Path) -> None:
-    """Write the config of a sensor, with comments, into a folder; ValueError if it has one."""
+    """Write the config of a sensor, with comments, and its schema; ValueError if there is one."""
     path = folder / CONFIG
-    with naming(path):
-        if path.exists() or path.is_symlink():
-            raise ValueError("exists already; name another folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(PIPELINE / "config" / "sensor.yaml", path)
+    for source, new in (("sensor.yaml", path), (SCHEMA, folder / SCHEMA)):
+        with naming(new):
+            if new.exists() or new.is_symlink():
+                raise ValueError("exists already; name another folder")
+            folder.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(PIPELINE / "config" / source, new)
     print(f"{path}: write your device there, then: snapmap check {path}")
 
 

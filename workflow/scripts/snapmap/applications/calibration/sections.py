@@ -53,8 +53,9 @@ class RangeKind(Kind):
 
 
 def _range(key):
-    words = f"range of the {key.replace('_', ' ')}, which is known if left out"
-    return Annotated[list, RangeKind(KIND_OF[key])], words
+    return Annotated[
+        list, RangeKind(KIND_OF[key])
+    ], "range of an unknown, a pair of values; known if left out"
 
 
 @record

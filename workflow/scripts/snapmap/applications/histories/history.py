@@ -49,13 +49,35 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
     Of the model `auto` the finest level follows; `energy_tolerance` only sets the time step.
-    Variables without dimension are of the motion shown, in its steps, shorter than those of a
-    sweep: `outcome` (a code, as in a cube), `t_snap` (us, NaN without a snap), `blow`, the closures
-    of an electrode; the largest
-    `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
-    `stress_max`, `stress_max_to_snap` (MPa). The errors that the time step makes, `work_error`
-    (relative) and `t_snap_error` (us), are SAFETY times the spread of runs in 1, 3/4 and 1/2 of it.
 
+    Parameters
+    ----------
+    study
+        Device, model, shock, and how the cell is followed; or a Device.
+    N
+        Amplitude of the shock, multiples of g.
+    f0
+        Frequency of the pulse, Hz; None for a recorded shock.
+    C
+        Damping of the mass, uN us/um.
+
+    Returns
+    -------
+    Dataset
+        The motion over `time` (us). Variables without dimension are of this motion, whose steps are
+        shorter than those of a sweep: `outcome` (a code, as in a cube), `t_snap` (us, NaN without a
+        snap), `blow`, the closures of an electrode; the largest `toward_max`, `away_max` (travel of
+        the mass from rest, um), `contact_force_max` (uN), `stress_max`, `stress_max_to_snap` (MPa).
+        The errors that the time step makes, `work_error` (relative) and `t_snap_error` (us), are
+        four times the spread of runs in 1, 3/4 and 1/2 of it.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one if the study has several devices or shocks.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
     >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
@@ -265,6 +287,7 @@ def warn_of_travel(rises: float, where: str = "") -> None:
     if rises > FARTHEST:
         warnings.warn(
             f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
-            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stops",
+            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stop_toward, "
+            "device.stop_away or both",
             stacklevel=3,
         )

@@ -16,8 +16,7 @@ from ...values.records import record, row_of_kinds, told
 
 
 def _changed(key):
-    hint = Annotated[float | str, KIND_OF[key]]
-    return hint, f"{key.replace('_', ' ')} in place of the device's own"
+    return Annotated[float | str, KIND_OF[key]], "value in place of the device's own"
 
 
 @record
@@ -25,13 +24,13 @@ class CellSection(row_of_kinds("Changes", {key: _changed(key) for key in VALUES}
     """A cell whose time history is drawn."""
 
     N: Amplitude | None = None
-    """peak of the shock over gravity; required"""
+    """peak of the shock over gravity"""
     f0: Frequency | None = None
     """1/duration of the shock; required, or `duration`"""
     duration: PulseTime | None = None
     """duration of the shock; replaces f0"""
     C: Damper | None = None
-    """damping of the mass; required"""
+    """damping of the mass"""
     device: str | None = None
     """name of one of the devices; the first if left out"""
 

@@ -53,6 +53,10 @@ class SurvivesKind(Kind):
         """Read the least probability with which the beam must not break; 0 if it may."""
         return SURVIVES * value if isinstance(value, bool) else kind_of(Share).read(value)
 
+    def write(self, value: float) -> object:
+        """Write a share."""
+        return kind_of(Share).write(value)
+
     def schema(self) -> dict:
         """Describe the choice."""
         return {"anyOf": [{"type": "boolean"}, kind_of(Share).schema()]}

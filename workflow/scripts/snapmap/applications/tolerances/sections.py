@@ -61,8 +61,11 @@ class WidthKind(Kind):
 
 
 def _width(key):
-    words = f"scatter of the {key.replace('_', ' ')}; none if left out"
-    return Annotated[object, WidthKind(None if key in SHOCK_FACTORS else KIND_OF[key])], words
+    kind = WidthKind(None if key in SHOCK_FACTORS else KIND_OF[key])
+    words = (
+        "standard deviation, as a value or a share, or as {uniform: 5 %}; no scatter if left out"
+    )
+    return Annotated[object, kind], words
 
 
 @record
