@@ -123,8 +123,8 @@ def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout
     assert (edges.N_bound < edges.N_first).all()
     assert edges.N_static.item() == pytest.approx(reset_force(device.beam)[0], rel=1e-6)
     there = flat.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
-    assert json.loads(edges.attrs["config"])["sweep"]["start"] == "second"
-    assert "start" not in json.loads(there.attrs["config"])["sweep"]
+    assert json.loads(edges.attrs["config"])["run"]["start"] == "second"
+    assert "start" not in json.loads(there.attrs["config"])["run"]
     shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": "arrives", "N": 45.0}
     study = Study(device=device, model={"name": "cosines", "modes": 3})
     asked = [Shock(name=name, start=name, **shock) for name in ("first", "second")]
@@ -151,9 +151,9 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     shock = {"N": 1000, "f0": "2 kHz", "snaps": True}
     whole["requirements"] = [{"name": "a", **shock, "start": "second"}, {"name": "b", **shock}]
     assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
-    whole["sweep"]["start"] = "second"
+    whole["run"]["start"] = "second"
     study = load_config(whole)
     assert study.run.start == study.of_thresholds().run.start == "second"
-    whole["sweep"]["start"] = "third"
+    whole["run"]["start"] = "third"
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)
