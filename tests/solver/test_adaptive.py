@@ -108,4 +108,6 @@ def test_a_history_is_that_of_the_finest_level_and_as_a_sweep_says_of_its_cell(h
     finest = flat.simulate(handout, *shock, "cosines", modes=RUNGS[-1], horizon=100.0)
     assert run.t_snap == finest.t_snap and run.time_step == finest.time_step
     cube = flat.sweep(handout, *([value] for value in shock), horizon=100.0)
-    assert run.t_snap == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == SNAPPED
+    assert (
+        run.t_snap.item() == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == SNAPPED
+    )

@@ -244,9 +244,7 @@ def test_what_laws_do_not_know_is_refused(handout, laws):
     contact = snapmap.reference(contact=laws("fixed_mass").contact)
     refused = {"stop_away": 900.0, "contact_at": -2.0, "strength": 900.0}
     for name, value in refused.items():
-        with pytest.raises(
-            ValueError, match=rf"device\.{name}: does not work with these"
-        ):
+        with pytest.raises(ValueError, match=rf"device\.{name}: does not work with these"):
             build_model(replace(handout, **{name: value}), contact)
     force = replace(snapmap.reference(force=laws("double_well").force), elements=4)
     with pytest.raises(ValueError, match=r"model\.elements: does not work with these laws"):
