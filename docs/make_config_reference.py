@@ -16,8 +16,8 @@ from snapmap.config.document import OF_SNAKEMAKE, Document
 from snapmap.config.schema import written
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
+from snapmap.values.fields import hints, rows
 from snapmap.values.kinds import kind_of
-from snapmap.values.records import hints, rows
 from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
 

@@ -12,7 +12,7 @@ from jsonschema import Draft202012Validator
 from snapmap.config.document import Document
 from snapmap.config.renamed import renew
 from snapmap.config.schema import DIALECT, written
-from snapmap.values.records import hints
+from snapmap.values.fields import hints
 
 CONFIGS = [
     *(f"config/{name}.yaml" for name in ("arm", "config", "damped", "fine", "handout", "sensor")),

@@ -16,7 +16,8 @@ from ..values.faults import Faults
 from ..values.kinds import Fitting, kind_of
 from ..values.paths import ExistingPath
 from ..values.quantities import Quality
-from ..values.records import assemble, read, record
+from ..values.reading import read
+from ..values.records import assemble, record
 from .kinds import Amplitudes, StudyPath
 from .measured_shape import read_shape
 from .renamed import renew

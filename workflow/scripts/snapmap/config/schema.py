@@ -2,7 +2,7 @@
 
 import json
 
-from ..values.records import schema
+from ..values.reading import schema
 from .document import OF_SNAKEMAKE, Document
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -16,7 +16,7 @@ from ..solver.settings import SECOND
 from ..study.axes import KIND_OF, SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..study.study import Study
 from ..values.faults import Faults, line_at
-from ..values.records import read
+from ..values.reading import read
 from ..values.units import spelling_of
 from .devices import nominal
 from .document import Document

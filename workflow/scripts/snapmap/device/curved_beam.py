@@ -12,6 +12,7 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.text import show
+from ..values.fields import hints
 from ..values.kinds import Fitting, Number, kind_of
 from ..values.quantities import (
     Clamp,
@@ -23,7 +24,7 @@ from ..values.quantities import (
     Rate,
     Stress,
 )
-from ..values.records import hints, record
+from ..values.records import record
 from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
 from .shape import BISTABILITY_LIMIT, TERMS, TILT, coefficients, midpoint, modes_of

@@ -9,6 +9,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from ..values.fields import hints
 from ..values.kinds import Number, Quantity, kind_of
 from ..values.quantities import (
     Acceleration,
@@ -27,7 +28,7 @@ from ..values.quantities import (
     Travel,
     WeibullModulus,
 )
-from ..values.records import assemble, hints, record
+from ..values.records import assemble, record
 from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
 from .usual import require, warn_of_si

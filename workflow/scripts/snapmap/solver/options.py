@@ -7,9 +7,11 @@ from typing_extensions import TypeAliasType
 
 from ..files.text import describe, show
 from ..values.faults import Faults
+from ..values.fields import hints
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.records import build, hints, read_part, record, told
+from ..values.reading import read_part
+from ..values.records import build, record, told
 from .laws import Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3

@@ -8,6 +8,7 @@ from ..files.text import describe
 MOST_ALIKE = 3
 """Most faults of items of a list that have a line each."""
 LONGEST_KEY = 40
+_BEGINS = re.compile(r"[A-Za-z_]\w*(\.\w+|\[\d+\])*: ")
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[[^]]*\])+: ")
 
 
@@ -49,3 +50,8 @@ def name_of(path: Sequence[str | int], lead: str = "") -> str:
         plain = isinstance(key, str) and key.isidentifier() and len(key) <= LONGEST_KEY
         name += f".{key}" if plain else f"[{describe(key, LONGEST_KEY)}]"
     return name if lead else name.removeprefix(".") or "config"
+
+
+def within(line: str) -> str:
+    """Mark a line that begins with the name of a key as one of the section around it."""
+    return f".{line}" if _BEGINS.match(line) else line

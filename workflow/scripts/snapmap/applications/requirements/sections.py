@@ -15,7 +15,8 @@ from ...study.study import ANY, ARRIVES, Study
 from ...values.faults import in_list
 from ...values.kinds import Kind, Word, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
-from ...values.records import read_part, record
+from ...values.reading import read_part
+from ...values.records import record
 from .required import Required, RequiredShock
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
