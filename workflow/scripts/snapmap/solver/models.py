@@ -19,9 +19,10 @@ from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_mod
 from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
+from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, laws_of, well_of
 from .options import take_model
-from .settings import FIRST, MOVE, SECOND, Settings
+from .settings import FIRST, MOVE, SECOND, SNAP, Settings
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -63,7 +64,7 @@ class Model:
     basis, modal: matrices of the beam, and their reduced form
     barrier: between the two shapes of the reduced form
     steps: rule of the time steps
-    laws: of a user, in place of some forces; for `reference` alone
+    laws: of a user, in place of some forces; tables: of these, but for `reference`
     """
 
     name: str
@@ -73,6 +74,7 @@ class Model:
     barrier: Barrier
     steps: Steps
     laws: Laws | None = None
+    tables: Tables | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -128,7 +130,9 @@ class Model:
         modal = ModalBeam(*(np.asarray(column)[which] for column in self.modal))
         barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
         device, steps = self.device.pick(which), self.steps.pick(which)
-        return replace(self, device=device, modal=modal, barrier=barrier, steps=steps)
+        tables = self.tables and self.tables.pick(which)
+        parts = {"modal": modal, "barrier": barrier, "steps": steps, "tables": tables}
+        return replace(self, device=device, **parts)
 
     def follow(self, cells: Cells, settings: Settings) -> Observations:
         """Follow cells of any shape.
@@ -290,9 +294,14 @@ def _build(device, name, options, is_free):
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
         modal = modal._replace(residual=0.0 * modal.residual)
+        if name != "reference":
+            modal = well_as_mode(modal, force, second)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    return Model(name, device, basis, modal, barrier, steps, laws)
+    if force and name != "reference":  # a law is not followed from rest to rest in long steps
+        steps = replace(steps, pressed=steps.longest[SNAP], most=np.inf * steps.most)
+    tables = tabulate(laws, device, modal) if laws and name != "reference" else None
+    return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 
 def check_options(device: Device, name: str, options: Mapping) -> None:
@@ -304,9 +313,12 @@ def check_options(device: Device, name: str, options: Mapping) -> None:
             "or the model elements"
         )
     if laws := laws_of(options):
+        sizes, kernel = {"elements", "cosines", "modes"} & {*options}, name != "reference"
         for key, refused in {
-            "model.elements:": laws.force and "elements" in options,
-            "device.stops:": laws.contact and device.has_stops,
+            "model.laws: solver": laws.solver and kernel,
+            f"model.{min(sizes, default='')}:": laws.force and sizes,
+            "device.contact: hard": (laws.contact or laws.force) and np.isinf(device.contact),
+            "device.stops:": (laws.contact or (laws.force and kernel)) and device.has_stops,
             "device.contact_at:": device.has_electrode,
             "device.strength:": np.isfinite(device.strength),
             "device.mass: none": device.is_alone,

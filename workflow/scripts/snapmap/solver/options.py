@@ -8,8 +8,8 @@ from .laws import Laws
 
 OPTIONS = {
     "reference": ("elements", "laws"),
-    "elements": ("elements", "modes"),
-    "cosines": ("cosines", "modes"),
+    "elements": ("elements", "modes", "laws"),
+    "cosines": ("cosines", "modes", "laws"),
     "auto": ("tolerance",),
 }
 """Names of the options of each model."""
