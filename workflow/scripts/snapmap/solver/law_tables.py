@@ -22,7 +22,7 @@ class Tables:
     """Potentials of the laws of contact and force of a batch, in place of the device's.
 
     values: (tables, CELLS, 4), as `potentials` makes them; the first is of no force at all
-    contact, force: number of the table of each device, (devices,)
+    contact, force: number of the table of each device, 0 if the device's own acts, (devices,)
     reach: of the tables of each device, um, (devices,)
     bounded: whether the energy of the contact is nowhere below 0, (devices,)
     apart: whether the contact does nothing across a gap, (devices,)
@@ -65,8 +65,8 @@ def tabulate(laws: Laws, device: Device, modal: ModalBeam) -> Tables:
             force = len(values)
             values.append(potentials(_beyond(laws.force, bending), reach))
         rows.append((contact, force, reach, bounded, apart))
-    contact, force, reach, bounded, apart = np.array(rows)[kind.ravel()].T
-    return Tables(np.array(values), contact, force, reach, bounded > 0, apart > 0)
+    columns = (np.array(column)[kind.ravel()] for column in zip(*rows, strict=True))
+    return Tables(np.array(values), *columns)
 
 
 def well_as_mode(modal: ModalBeam, force: Callable, second: float) -> ModalBeam:
@@ -98,8 +98,8 @@ def _in_series(law, residual):
         both = s + residual * push(s)
         rises = np.diff(both) / np.diff(s)
         if not (rises > 0).all():
-            needs = "write more modes, or the model elements without modes"
-            raise ValueError(f"model.laws: contact: falls too steeply for {needs}")
+            needs = "write elements without modes, or a law that falls less"
+            raise ValueError(f"model.laws: contact: falls too steeply for modes left out; {needs}")
         rise = rises[np.clip(np.searchsorted(both, x) - 1, 0, rises.size - 1)]
         s = np.interp(x, both, s)
         for _ in range(PASSES):

@@ -11,8 +11,8 @@ from ..beam.stress import stress_of
 from ..pulse.pulse import table
 from .cells import no_observations
 from .kernel import rows as R
-from .kernel.laws import CONTACT, FORCE
 from .kernel.lanes import Facts, Task, follow_all, load
+from .kernel.laws import CONTACT, FORCE
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
 from .kernel.rows import LANES
 from .kernel.trace import follow_stress, keep_midpoints

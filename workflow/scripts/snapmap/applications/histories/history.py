@@ -252,7 +252,7 @@ def _observe(device, first, form, stress, motion, built):
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
     stored = contact**2 / (2 * stiffness)
-    if tables and len(tables.values):
+    if tables and tables.contact[0]:
         stored, contact = look_up(tables.values[tables.contact[0]], tables.reach[0], overlap)
     elif laws and laws.contact:
         contact = np.array([laws.contact(device.contact, s) for s in overlap.tolist()])

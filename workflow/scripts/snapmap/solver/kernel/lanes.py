@@ -68,7 +68,8 @@ def load(work, shape, laws, l, device, damping, amplitude, dt):
 
     The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
     dt, at most EXACT; so its coordinate is stretched by 1/s = sqrt(G).
-    laws: `LaneLaws` or None; device: row of `simd_loop.coefficients`; damping: C, uN us/um; amplitude: um/us^2; dt: us
+    laws: `LaneLaws` or None; device: row of `simd_loop.coefficients`
+    damping: C, uN us/um; amplitude: um/us^2; dt: us
     """
     work[l::LANES] = 0.0
     modes = len(shape)

@@ -17,9 +17,9 @@ from .tables import CELLS, FINE
 
 CONTACT, FORCE = range(2)
 """The laws in tables, each with a row of its own after that of a name."""
-SAME = 1e-7
+SAME = 1e-6
 """Change of an overlap, over the reach, below which the force is the mean of both ends."""
-CLOSE = 1e-12
+CLOSE = 1e-11
 """Error of an overlap, over the reach, at which the root of a step is found."""
 PASSES = 40
 """Most passes for a root; almost all take three."""
@@ -115,7 +115,7 @@ def begin_laws(X, l, laws, damping, dt, w):
 @inlined
 def begin_law(X, l, law, tables, x):
     """Set energy and force of a law at x, and half the slope of the force."""
-    h = 10 * SAME * X[R.REACH, l]
+    h = SAME * X[R.REACH, l]
     X[R.GUESS + law, l], X[R.RISE + law, l] = x, 0.0
     for side in (-1.0, 1.0, 0.0):
         locate(X, l, law, x + side * h)
@@ -170,7 +170,10 @@ def drives(laws, damping, speed, travel):
 def set_out(X, l, law, guess):
     """Keep what is known at the last half step, and guess x at the next one."""
     X[R.FROM + law, l] = X[R.GUESS + law, l] - X[R.MISS + law, l]
-    X[R.ENERGY_BEFORE + law, l], X[R.PUSH_BEFORE + law, l] = X[R.ENERGY + law, l], X[R.PUSH + law, l]
+    X[R.ENERGY_BEFORE + law, l], X[R.PUSH_BEFORE + law, l] = (
+        X[R.ENERGY + law, l],
+        X[R.PUSH + law, l],
+    )
     X[R.GUESS + law, l] = guess
     locate(X, l, law, guess)
 
