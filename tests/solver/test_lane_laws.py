@@ -1,6 +1,5 @@
-"""Laws of a user's own in the kernel: as the device's own, the plain loop, SciPy and energies say."""
+"""Laws of a user's own in the kernel, beside the device's own, the plain loop and energies."""
 
-import runpy
 from dataclasses import replace
 
 import numpy as np
@@ -11,14 +10,17 @@ from varied import varied
 
 import snapmap
 from snapmap.device.device import batch
-from snapmap.solver.cells import to_cells
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.tables import CELLS, least_energy, look_up, potentials
+from snapmap.solver.laws import compile_laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.settings import Settings
 
 COSINES = {"name": "cosines", "modes": 3}
 ELEMENTS = {"name": "elements", "elements": 2}
 """Three modes both: the same kernel."""
+SETTLED = Settings()
 N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
 
 
@@ -46,10 +48,10 @@ def hertz(stiffness, overlap):
     return 60.0 * max(0.0, overlap) ** 1.5
 
 
-def follow(device, model, laws, C, settings=Settings(), N=N, f0=F0, step=1.0):
+def follow(device, model, laws, C, settings=SETTLED, step=1.0):
     laws = {"laws": laws} if laws else {}
     built = build_model(device, **model, **laws).with_step(step)
-    return built.follow(to_cells(built.device, 0, N, f0, C, 300.0), settings)
+    return built.follow(to_cells(built.device, 0, N, F0, C, 300.0), settings)
 
 
 DEVICES = {"soft": {}, "gap": {"gap": 1.0, "contact": 400.0}, "damped beam": {"damping": 4e-3}}
@@ -212,30 +214,31 @@ def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
         follow(handout, COSINES, laws_of(damping=damping), 25.0)
 
 
-@pytest.mark.parametrize(
-    ("change", "options", "laws", "line"),
-    [
-        (
-            {"contact": np.inf},
-            {},
-            {"contact": two_sided},
-            "device.contact: hard does not work with",
-        ),
-        ({"stop_away": 3.0}, {}, {"contact": two_sided}, "device.stops: does not work with"),
-        ({}, {}, {"contact": lambda k, s: -900 * s}, "model.laws: contact: falls too steeply for"),
-        (
-            {},
-            {"modes": 3},
-            {"force": lambda x: x * (x - 8) * (x - 18)},
-            "model.modes: does not work",
-        ),
-    ],
-)
-def test_what_a_kernel_cannot_do_is_refused_in_a_line(handout, change, options, laws, line):
-    laws, model = laws_of(**laws), {"name": "cosines", "cosines": 3, **options}
-    model = model if "force" not in str(laws) else {"name": "cosines", **options}
-    with pytest.raises(ValueError, match=rf"\A{line.replace('.', chr(92) + '.')}[^\n]*\Z"):
-        build_model(varied(handout, **change), **model, laws=laws)
+REFUSED = {
+    "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
+    "device.stops": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
+    "model.laws: contact: falls": ({}, {"contact": lambda k, s: -900.0 * s}, {"modes": 3}),
+    "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
+    "model.laws: solver": ({}, {"solver": lambda cell, step: None}, {}),
+}
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_what_a_kernel_cannot_do_is_refused_in_a_line(handout, line):
+    change, laws, options = REFUSED[line]
+    with pytest.raises(ValueError, match=rf"\A{line}[^\n]*\Z"):
+        build_model(varied(handout, **change), "cosines", laws=compile_laws(laws), **options)
+
+
+@pytest.mark.parametrize("name", ["reference", "cosines"])
+def test_a_law_that_gives_energy_has_no_bound(handout, name):
+    device, rows = batch([handout]), to_rows(0, [1500.0], 25.0)
+    bounds = [
+        least_amplitudes(build_model(device, name, laws=laws_of(damping=damping)), rows).item()
+        for damping in (cubic_drag, lambda C, v, z: C * v * (-0.2 if abs(z) < 1 - 1e-9 else 1.0))
+    ]
+    plain = least_amplitudes(build_model(device, name), rows).item()
+    assert bounds == [plain, 0.0] and plain > 0
 
 
 def test_a_history_shows_the_laws_energy(handout):
@@ -250,8 +253,5 @@ def test_a_history_shows_the_laws_energy(handout):
 @pytest.mark.long
 def test_every_example_of_a_law_runs_in_the_kernel(handout, root):
     for path in sorted((root / "examples" / "laws").glob("*.py")):
-        laws = {
-            key: law for key, law in runpy.run_path(path).items() if key in LINEAR | {"force": 0}
-        }
-        ours = follow(handout, {"name": "cosines"}, laws_of(**laws), 200.0)
+        ours = follow(handout, {"name": "cosines"}, load_laws(str(path)), 200.0)
         assert ours.energy_error.max() < 1e-6

@@ -152,7 +152,9 @@ def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
     """Build the survey of a model's name and options for a batch; start: as in `Settings`."""
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := laws_of(model):
-        return _of_laws(build_model(device, **model), laws, static)
+        # No finer model judges a kernel's thresholds, so they are found in finer steps.
+        step = 1.0 if model["name"] == "reference" else FINE_STEPS
+        return _of_laws(build_model(device, **model).with_step(step), laws, static)
     is_auto = model["name"] == "auto"
     levels = _levels(device, start, **model) if is_auto else build_adaptive(device, start=start)
     coarse, middle, fine = levels.base, levels.check, levels.top

@@ -22,7 +22,7 @@ from .cells import Cells, Observations, no_observations
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, laws_of, well_of
 from .options import take_model
-from .settings import FIRST, MOVE, SECOND, SNAP, Settings
+from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -298,8 +298,8 @@ def _build(device, name, options, is_free):
             modal = well_as_mode(modal, force, second)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    if force and name != "reference":  # a law is not followed from rest to rest in long steps
-        steps = replace(steps, pressed=steps.longest[SNAP], most=np.inf * steps.most)
+    if force and name != "reference":
+        steps = steps.of_one_mode()
     tables = tabulate(laws, device, modal) if laws and name != "reference" else None
     return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
