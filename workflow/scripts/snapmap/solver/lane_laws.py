@@ -5,11 +5,11 @@ from functools import cache
 import numpy as np
 from numba import carray, cfunc, types
 
-from ..numerics.kernels import inlined, logger, widen_vectors
+from ..numerics.kernels import inlined, widen_vectors
 from .kernel.laws import LaneLaws
 from .kernel.rows import LANES
 from .law_tables import Tables
-from .laws import Laws, of_user
+from .laws import Laws, announce, of_user
 
 
 def lane_laws(laws: Laws | None, tables: Tables | None) -> LaneLaws | None:
@@ -32,7 +32,7 @@ def raise_error(laws: Laws | None, lanes: LaneLaws | None) -> None:
 @cache
 def _of_lanes(law):
     """Compile a law of damping for rows of LANES numbers, as `kernel.laws.LaneLaws` says."""
-    logger.warning("compiling your law of damping: once in each process, about 1 s")
+    announce("law of damping", law, 1)
     with of_user("damping"):
         drag = inlined(getattr(law, "py_func", law))
 

@@ -1,6 +1,7 @@
 """A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
 
 import inspect
+import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..device.device import Value
 from ..files.named import naming, read_named
 from ..files.text import show
 
+logger = logging.getLogger("snapmap")
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
@@ -113,6 +115,12 @@ def laws_of(options: Mapping) -> Laws | None:
     """Return the laws in a model's options, read from a file if they name one; None without."""
     laws = options.get("laws")
     return load_laws(laws, options.get("sha256", "")) if isinstance(laws, str) else laws
+
+
+@cache
+def announce(what: str, laws: object, seconds: int) -> None:
+    """Say once that numba begins to compile a user's functions, and how long that takes."""
+    logger.warning("compiling your %s: once in each process, about %d s", what, seconds)
 
 
 def _compiled(key, law):

@@ -20,7 +20,7 @@ from ..device.device import Device, Value
 from ..files.counting import count
 from .cells import Cells, Observations, no_observations
 from .law_tables import Tables, tabulate, well_as_mode
-from .laws import Laws, laws_of, well_of
+from .laws import Laws, announce, laws_of, well_of
 from .options import take_model
 from .settings import FIRST, MOVE, SECOND, Settings
 from .steps import Steps, explicit_steps, steps_of, striking_speed
@@ -112,7 +112,10 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        loop = "external" if self.laws and self.laws.solver else loop
+        if self.laws and self.laws.solver:
+            loop = "external"
+        elif self.laws and loop == "plain_loop":
+            announce("laws", self.laws, 10)
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
