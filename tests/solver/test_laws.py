@@ -270,6 +270,8 @@ def test_a_config_names_a_file_of_laws(root, law_file):
     edited = load_config(CONFIG)
     assert study.inputs() != edited.inputs()
     assert study.files()["mylaws.py"] == study.model["sha256"] != edited.model["sha256"]
+    in_kernel = load_config(CONFIG | {"model": {"name": "cosines", "laws": "mylaws.py"}})
+    assert in_kernel.model["sha256"] == edited.model["sha256"]
     with pytest.raises(ConfigError, match=r"^model\.laws: is not an option of auto"):
         load_config(CONFIG | {"model": {"name": "auto", "laws": "mylaws.py"}})
     with pytest.raises(ConfigError, match=r"^tolerances: does not work with model"):
