@@ -19,12 +19,12 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.laws import load_laws
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.plain_loop import starting
-from snapmap.solver.settings import FIRST, Settings
+from snapmap.solver.settings import FIRST, Run
 from snapmap.thresholds.search import lowest_snap
 
 from .common import ROOT, command_device, cpu_seconds, few, number
 
-SETTINGS = Settings(300.0, until="edge", repeat=False)
+SETTINGS = Run(300.0, until="edge", repeat=False)
 CELLS, F0_RANGE, ROWS = (25, 20), (500.0, 10e3), 20
 """Numbers of N and f0; Hz; number of thresholds."""
 FINE, SNAPS, TOLERANCE = 0.25, 5, 1e-7

@@ -15,12 +15,12 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.tables import CELLS, least_energy, look_up, potentials
 from snapmap.solver.laws import compile_laws, load_laws
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 COSINES = {"name": "cosines", "modes": 3}
 ELEMENTS = {"name": "elements", "elements": 2}
 """Three modes both: the same kernel."""
-SETTLED = Settings()
+SETTLED = Run()
 N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
 
 
@@ -62,7 +62,7 @@ LINEAR = {"damping": linear_drag, "contact": one_sided}
 @pytest.mark.parametrize("name", DEVICES)
 def test_the_devices_own_forces_as_laws_do_the_same(handout, name, keys):
     """The contact is in series with the flexibility of the modes left out."""
-    device, settings = varied(handout, **DEVICES[name]), Settings(horizon=300.0)
+    device, settings = varied(handout, **DEVICES[name]), Run(horizon=300.0)
     laws = laws_of(**{key: LINEAR[key] for key in keys})
     ours = follow(device, COSINES, laws, 25.0, settings)
     plain = follow(device, COSINES, None, 25.0, settings)
@@ -89,7 +89,7 @@ def test_stops_and_a_hard_contact_go_with_a_law_of_damping(handout):
 )
 def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
     """And come closer to it with the square of the step."""
-    laws, snap = laws_of(damping=damping, contact=contact), Settings(until="snap", repeat=False)
+    laws, snap = laws_of(damping=damping, contact=contact), Run(until="snap", repeat=False)
     reference = {"name": "reference", "elements": 2}
     coarse, fine = (follow(handout, reference, laws, C, snap, step=s).t_snap for s in (0.2, 0.1))
     exact, errors = (4 * fine - coarse) / 3, []
@@ -104,7 +104,7 @@ def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
 @pytest.mark.parametrize("contact", [hertz, two_sided])
 def test_what_a_contact_takes_it_gives_back(handout, contact):
     """Over thousands of contacts without a damper, in steps ten times apart."""
-    laws, settings = laws_of(contact=contact), Settings(5000.0)
+    laws, settings = laws_of(contact=contact), Run(5000.0)
     model = build_model(handout, **COSINES, laws=laws)
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(handout, 0, [880.0, 1100.0, 1500.0], 1500.0, 0.0, 5000.0)
@@ -121,7 +121,7 @@ def test_a_run_that_is_proven_to_stay_stays(handout):
     model = build_model(handout, **COSINES, laws=laws)
     open_ended = replace(model, barrier=model.barrier._replace(energy=-np.inf))
     cells = to_cells(handout, 0, N, F0, 3e4, 3000.0)
-    moved = open_ended.follow(cells, Settings(3000.0))
+    moved = open_ended.follow(cells, Run(3000.0))
     assert np.isnan(moved.t_settled).all()
     first = settled & (proven.well == 1) & np.isnan(proven.t_snap)
     assert first.any() and np.isnan(moved.t_snap[first]).all()
@@ -137,7 +137,7 @@ def test_a_run_that_is_proven_to_stay_stays(handout):
 )
 def test_of_a_law_that_gives_energy_nothing_is_proven(handout, damping):
     """It has the right sign where it is checked at first, and its ledger closes."""
-    settings = Settings(1500.0)
+    settings = Run(1500.0)
     passive = follow(handout, COSINES, laws_of(damping=linear_drag), 25.0, settings)
     ours = follow(handout, COSINES, laws_of(damping=damping), 25.0, settings)
     assert np.isfinite(passive.t_settled).any() and np.isnan(ours.t_settled).all()
@@ -154,12 +154,12 @@ def test_a_contact_whose_energy_has_no_bottom_proves_nothing(handout):
 
 def test_a_cell_does_not_depend_on_its_company(handout):
     laws, draw = laws_of(damping=cubic_drag, contact=hertz), np.random.default_rng(3)
-    model, settings = build_model(handout, **COSINES, laws=laws), Settings()
+    model, settings = build_model(handout, **COSINES, laws=laws), Run()
     cells = to_cells(
         handout, 0, draw.uniform(700, 2500, 37), draw.uniform(700, 9e3, 37), 3e4, 300.0
     )
     together, order = model.follow(cells, settings)[:8], draw.permutation(37)
-    shuffled = model.follow(cells.take(order), settings._replace(threads=2))[:8]
+    shuffled = model.follow(cells.take(order), settings.but(threads=2))[:8]
     alone = model.follow(cells.take(slice(1)), settings)[:8]
     for whole, mixed, single in zip(together, shuffled, alone, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
@@ -171,11 +171,11 @@ def test_a_device_of_a_batch_has_its_own_tables(handout):
     laws = laws_of(contact=one_sided)
     together = build_model(batch(devices), **COSINES, laws=laws)
     cells = to_cells(together.device, [[0], [1]], np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
-    mixed = together.follow(cells, Settings())
+    mixed = together.follow(cells, Run())
     for i, device in enumerate(devices):
         one = to_cells(device, 0, np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
         for model in (build_model(device, **COSINES, laws=laws), together.pick(i)):
-            for whole, alone in zip(mixed[:8], model.follow(one, Settings())[:8], strict=True):
+            for whole, alone in zip(mixed[:8], model.follow(one, Run())[:8], strict=True):
                 np.testing.assert_array_equal(whole[i], alone)
 
 

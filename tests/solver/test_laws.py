@@ -28,7 +28,7 @@ from snapmap.solver.laws import LAWS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
 from snapmap.solver.plain_loop import nodal_system
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.thresholds.search import lowest_snap
 
 F0 = 1500.0
@@ -100,7 +100,7 @@ def double_well(request, handout, laws):
 
 def first_snap(model, rows, expected, tolerance):
     bracket = 0.9 * expected, 1.1 * expected
-    return lowest_snap(model, rows, bracket, Settings(1500.0), tolerance).item()
+    return lowest_snap(model, rows, bracket, Run(1500.0), tolerance).item()
 
 
 def test_a_short_pulse_must_bring_the_energy_of_the_saddle_a_slow_one_the_force(double_well, laws):
@@ -130,7 +130,7 @@ def test_a_double_well_withstands_what_its_energy_proves(double_well):
     bound = least_amplitudes(built, rows)
     assert bound == pytest.approx(speed * rows.f0 / (1e6 * area * device.gravity), rel=1e-5)
     cells = rows.cells(built.device, np.multiply.outer(bound, [0.5, 0.999]), 1500.0)
-    runs = built.follow(cells, Settings())
+    runs = built.follow(cells, Run())
     assert np.isnan(runs.t_snap).all() and (runs.energy_error < 1e-3).all()
     N = first_snap(built, rows.take([4]), bound[4], 1e-3)  # a half sine that presses
     assert bound[4] < N < 1.02 * bound[4]
@@ -312,7 +312,7 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
         return 1.0 if cell.amplitude / cell.device.gravity > 900 * (1 + error) else None
 
     rows, built = to_rows(0, [F0], 0.0), build_model(batch([handout]), "reference")
-    usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Settings()).item()
+    usual = built.time_steps(rows.cells(built.device, 0.0, 0.0), Run()).item()
     asked = {"model": snaps_from_900_on, "spring": [4.0, 5.5]}
     edges = snapmap.threshold(handout, [F0], [0.0], **asked).squeeze()
     assert edges.N_first.values == pytest.approx(909.0, rel=1e-4)

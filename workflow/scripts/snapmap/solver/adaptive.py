@@ -11,7 +11,7 @@ from ..device.device import Device
 from .cells import Cells, Observations
 from .laws import laws_of, well_of
 from .models import Follows, build_model, check_options, mixed
-from .settings import FIRST, Settings
+from .settings import FIRST, Run
 
 RUNGS = (3, 5, 11)
 """Numbers of cosines of the levels; odd ones, as even cosines do not move the midpoint."""
@@ -61,7 +61,7 @@ class Adaptive:
         """Return the same levels of a device of the batch, or of several."""
         return Adaptive(*(level.pick(which) for level in (self.base, self.check, self.top)))
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow rows of cells, (rows, n), of ascending N, each cell by the level that suffices.
 
         A cell is safe if its ledger closes and no label changes near it along N. Others are decided
@@ -84,22 +84,22 @@ class Adaptive:
             if not new.any():
                 return observed._replace(level=level, agreed=agreed)
             near = cells.take(new)
-            check = self.check.follow(near, settings._replace(until="snap"))
+            check = self.check.follow(near, settings.but(until="snap"))
             top = self.follow_by_top(near, settings)
             level[new] = 1
             same = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
 
-    def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
+    def follow_by_top(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells, (cells,), by top; whether they snap is decided in the steps of EDGE."""
-        edge = self.top.follow(cells, settings._replace(until="edge"))
+        edge = self.top.follow(cells, settings.but(until="edge"))
         if settings.until != "settled":
             return edge
         observed = self.top.follow(cells, settings)
         differ = np.isfinite(observed.t_snap) != np.isfinite(edge.t_snap)
         # The steps of MOVE are shorter than those of either run.
-        moved = self.top.follow(cells.take(differ), settings._replace(until="moved"))
+        moved = self.top.follow(cells.take(differ), settings.but(until="moved"))
         observed.replace(differ, moved)
         return observed
 
@@ -137,7 +137,7 @@ class Survey(NamedTuple):
 
 
 def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows | Adaptive:
-    """Build the model of a name and options for a device or a batch; start: as in `Settings`."""
+    """Build the model of a name and options for a device or a batch; start: as in `Run`."""
     if model["name"] == "auto":
         return _levels(device, start, **model)
     return build_model(device, **model)
@@ -149,7 +149,7 @@ def _levels(device, start, name, **options) -> Adaptive:
 
 
 def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
-    """Build the survey of a model's name and options for a batch; start: as in `Settings`."""
+    """Build the survey of a model's name and options for a batch; start: as in `Run`."""
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := laws_of(model):
         # No finer model judges a kernel's thresholds, so they are found in finer steps.
@@ -179,7 +179,7 @@ def _of_laws(model, laws, static):
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
-    """Build the levels in steps for a relative tolerance of thresholds; start: as in `Settings`."""
+    """Build the levels in steps for a relative tolerance of thresholds; start: as in `Run`."""
     beam = device.beam
     uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
     finer = uneven | (start != FIRST)

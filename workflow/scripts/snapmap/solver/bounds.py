@@ -40,7 +40,7 @@ SHARES = np.linspace(-1.0, 1.0, 16)
 def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarray:
     """Return the N, in multiples of g, (rows,), below which no shock has the energy for a snap.
 
-    model: of a batch, to which the rows belong; start: as in `Settings`
+    model: of a batch, to which the rows belong; start: as in `Run`
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):

@@ -22,7 +22,7 @@ from .cells import Cells, Observations, no_observations
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, announce, laws_of, well_of
 from .options import take_model
-from .settings import FIRST, MOVE, SECOND, Settings
+from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -44,7 +44,7 @@ class Follows(Protocol):
     def levels(self) -> tuple["Follows", ...]:
         """The discretisations by the `level` of observations, the cheapest first."""
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells, (rows, n), whose amplitude ascends in each row; observations likewise."""
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -104,7 +104,7 @@ class Model:
         first = self.barrier.first
         return self.barrier.second - first if start == FIRST else 0.0 * first
 
-    def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
+    def time_steps(self, cells: Cells, settings: Run) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape."""
         speed = striking_speed(self.device, cells, settings.start)
         return self.steps.of(cells, settings.question, speed)
@@ -137,7 +137,7 @@ class Model:
         parts = {"modal": modal, "barrier": barrier, "steps": steps, "tables": tables}
         return replace(self, device=device, **parts)
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
 
         To learn where a cell stays, it is first followed to the end of its pulse with the longer
@@ -150,7 +150,7 @@ class Model:
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
         left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
-            first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
+            first = self.follow_once(flat.take(left), settings.but(until="pulse"))
             observed.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance
             left = left[np.isnan(first.t_settled) | ~believed]
@@ -163,7 +163,7 @@ class Model:
             left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
         return observed.shaped(np.shape(cells.f0))
 
-    def follow_once(self, cells: Cells, settings: Settings) -> Observations:
+    def follow_once(self, cells: Cells, settings: Run) -> Observations:
         """Follow every cell, (cells,), once, in steps of the rule, whatever its ledger says."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
@@ -236,7 +236,7 @@ class Mixed(NamedTuple):
             return (self.second if self.other[which] else self.first).pick(which)
         return Mixed(self.first.pick(which), self.second.pick(which), self.other[which])
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow every cell by the model of its device."""
         observed = no_observations(np.shape(cells.f0))
         for mine, model in self.split(cells.device):

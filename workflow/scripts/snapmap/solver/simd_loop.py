@@ -26,7 +26,7 @@ WINDOW = 64 * BLOCK
 
 
 def march(model, cells, dt, settings):
-    """Follow cells, (cells,), of a `Model`, as `Settings` say, in steps dt, us, (cells,).
+    """Follow cells, (cells,), of a `Model`, as `Run` say, in steps dt, us, (cells,).
 
     Returns `Facts`.
     """
@@ -113,7 +113,7 @@ def coefficients(model, target, start=FIRST):
 
     A row has numbers in the order of the kernel's rows, up to SIDE, then the vectors from KAPPA on,
     and the modes at the start.
-    model: a `Model`; start: as in `Settings`; target: as `Model.snap_target`, or -inf for no snap
+    model: a `Model`; start: as in `Run`; target: as `Model.snap_target`, or -inf for no snap
     """
     device, modal, barrier = model.device, model.modal, model.barrier
     side, n, k, tables = SIDE[start], len(device), model.modes, model.tables

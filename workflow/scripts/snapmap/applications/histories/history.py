@@ -11,7 +11,7 @@ import xarray as xr
 from ...beam.modal import contact_stiffness
 from ...beam.stress import stress_of
 from ...device.device import Device
-from ...device.quantities import plain
+from ...files.text import plain
 from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
 from ...solver.adaptive import choose_model
@@ -21,7 +21,7 @@ from ...solver.kernel.tables import look_up
 from ...solver.models import Model
 from ...solver.options import AutoOptions
 from ...solver.outcome import OUTCOMES, label
-from ...solver.settings import FIRST, Settings
+from ...solver.settings import FIRST, Run
 from ...study import arguments
 from ...study.provenance import device_sections
 from ...study.study import Study, study_of
@@ -87,7 +87,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
     if study.shocks.axes:
         raise ValueError("pulse: has several shapes or directions; write one of each")
-    device, settings = study.device, study.settings._replace(until="moved")
+    device, settings = study.device, study.run.but(until="moved")
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
@@ -148,22 +148,22 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     step: time step over the default one
     """
     built, cells, _ = _cell(study, N, f0, C)
-    return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
+    return _record(built.with_step(step), cells, study.run, samples=1)[-1]
 
 
 def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
     """Find the extremes of one cell, and what other applications add to its history, by name."""
     built, cells, _ = _cell(study, N, f0, C)
-    extremes = _record(built, cells, study.settings, samples=1)[-1]
-    return extremes._asdict() | merge("in_history", built, cells, study.settings)
+    extremes = _record(built, cells, study.run, samples=1)[-1]
+    return extremes._asdict() | merge("in_history", built, cells, study.run)
 
 
 def _cell(study, N, f0, C):
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
-    horizon, pulses = study.settings.horizon, study.shocks.pulses
+    horizon, pulses = study.run.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
-    model = choose_model(study.device, study.model, study.settings.start).levels[-1]
-    moved = study.settings._replace(until="moved")
+    model = choose_model(study.device, study.model, study.run.start).levels[-1]
+    moved = study.run.but(until="moved")
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     observed = model.follow(cells, moved)
@@ -177,7 +177,7 @@ def _record(built, cells, settings, samples):
     """
     from .motion import record  # imported when a run begins: a plan needs no compiler
 
-    dt = built.time_steps(cells, settings._replace(until="moved")).item()
+    dt = built.time_steps(cells, settings.but(until="moved")).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 1 << (max(1, int(steps / samples)).bit_length() - 1)
@@ -223,12 +223,12 @@ def _stress_to(target, w, stress):
     return np.maximum(stress[:i].max(), at_snap), True
 
 
-def errors_of(model: Model, cells: Cells, settings: Settings) -> dict[str, np.ndarray]:
+def errors_of(model: Model, cells: Cells, settings: Run) -> dict[str, np.ndarray]:
     """Find `work_error`, relative, and `t_snap_error`, us, of the motion of cells, (cells,).
 
     NaN where not all runs know the work, or snap.
     """
-    moved = settings._replace(until="moved")
+    moved = settings.but(until="moved")
     models = [model.with_step(share) for share in ERROR_STEPS]
     runs = onward = [each.follow_once(cells, moved) for each in models]
     if model.name == "reference":  # no snap is to end a run before its pulse is over
