@@ -12,9 +12,11 @@ from ..pulse.pulse import table
 from .cells import no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
+from .kernel.laws import CONTACT, FORCE
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
 from .kernel.rows import LANES
 from .kernel.trace import follow_stress, keep_midpoints
+from .lane_laws import lane_laws, raise_error
 from .settings import FIRST, SECOND
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
@@ -45,7 +47,9 @@ def march(model, cells, dt, settings):
         tolerance=settings.energy_tolerance,
         facts=facts,
     )
-    follow_all(*empty_lanes(model), task)
+    lanes = empty_lanes(model)
+    follow_all(*lanes, task)
+    raise_error(model.laws, lanes[2])
     return facts
 
 
@@ -65,7 +69,9 @@ def largest_stress(model, cells, dt, steps, rows, start=FIRST):
     rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
     loads = *cells[1:5], steps
-    follow_stress(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, largest)
+    lanes = empty_lanes(model)
+    follow_stress(*lanes, devices, dt, table(cells.pulses), loads, rows, largest)
+    raise_error(model.laws, lanes[2])
     return largest
 
 
@@ -83,6 +89,7 @@ def midpoints(model, cells, dt, steps, start=FIRST):
     for first in range(0, steps, WINDOW):
         w = np.empty((min(WINDOW, steps - first), LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
+        raise_error(model.laws, lanes[2])
         yield first, w[:, : dt.size]
 
 
@@ -109,7 +116,7 @@ def coefficients(model, target, start=FIRST):
     model: a `Model`; start: as in `Run`; target: as `Model.snap_target`, or -inf for no snap
     """
     device, modal, barrier = model.device, model.modal, model.barrier
-    side, n, k = SIDE[start], len(device), model.modes
+    side, n, k, tables = SIDE[start], len(device), model.modes, model.tables
     numbers = {
         R.AXIAL: modal.axial,
         R.RESIDUAL: modal.residual,
@@ -118,14 +125,23 @@ def coefficients(model, target, start=FIRST):
         R.K: device.spring,
         R.TARGET: target,
         R.BARRIER: barrier.energy,
+        R.BARRIER_APART: barrier.energy,
         R.SADDLE: side * barrier.midpoint,
         R.Z0: device.gap,
         R.ALPHA: device.beam.damping,
         R.STOP_TOWARD: device.stop_toward,
         R.STOP_AWAY: device.stop_away,
         R.RESTITUTION: device.restitution,
+        R.TABLE + CONTACT: 0,
+        R.TABLE + FORCE: 0,
+        R.REACH: 0,
         R.SIDE: side,
     }
+    if tables:
+        numbers[R.TABLE + CONTACT], numbers[R.TABLE + FORCE] = tables.contact, tables.force
+        numbers[R.REACH] = tables.reach
+        numbers[R.BARRIER] = np.where(tables.bounded, barrier.energy, -np.inf)
+        numbers[R.BARRIER_APART] = np.where(tables.bounded & tables.apart, barrier.energy, -np.inf)
     vectors = modal.stiffness, modal.slope_start, modal.load, modal.midpoint  # KAPPA, SQ0, F, E
     columns = [np.broadcast_to(numbers[row], n)[:, np.newaxis] for row in sorted(numbers)]
     columns += [np.reshape(vector, (n, k)) for vector in vectors]
@@ -142,8 +158,11 @@ def in_lanes(follow, lengths, threads):
 
 
 def empty_lanes(model):
-    """Make an empty work array, and the tuple whose length tells kernels the number of modes."""
+    """Make the first arguments of kernels: an empty work array, a tuple of a length, and the laws.
+
+    The length of the tuple tells kernels the number of modes.
+    """
     padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
-    return X, (0,) * model.modes
+    return X, (0,) * model.modes, lane_laws(model.laws, model.tables)

@@ -8,13 +8,15 @@ from numba.extending import overload
 
 from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
 from . import rows as R
+from .laws import damp, dissipate, hold_by_law, touch_by_law
 from .rows import LANES, numbers, vectors
 
 
 @compiled
-def advance(work, shape, shocks, first, steps):
+def advance(work, shape, laws, shocks, first, steps):
     """Advance every lane by `steps` steps.
 
+    laws: `LaneLaws` or None
     shocks: a dt^2 of each step of a block, as `set_out` sets them; first: index of the first step
 
     At half steps q = p.S p+ + (p + p+).S q0 is the stretch and x = e.(p + p+)/2 - (y + y+)/2 - z0
@@ -33,13 +35,21 @@ def advance(work, shape, shocks, first, steps):
         if stopped and crossed(work):
             meet_stops(work)
         take(X, shocks, step)
+        if laws is not None and laws.damping != 0:
+            damp(work, laws)
         for l in range(LANES):
             touch(X, l, release_all(X, V, shape, l, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
         if stopped:
             let_go(work)
+        if laws is not None and laws.holds:
+            hold_by_law(work, laws)
+        elif laws is not None and laws.tabled:
+            touch_by_law(work, laws)
         for l in range(LANES):
             press(X, V, shape, l, meet(X, l))
+        if laws is not None and laws.damping != 0:
+            dissipate(X)
 
 
 @inlined
@@ -288,6 +298,7 @@ def strike(X, l, stop):
     X[R.GROSS_WORK, l] += abs(2 * work)
     X[R.OVERLAP, l] -= place - middle
     X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
+    X[R.DY_BEFORE, l] = turned
 
 
 @inlined
