@@ -18,13 +18,14 @@ from snapmap.files.text import table
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.laws import load_laws
 from snapmap.solver.models import Model, build_model
+from snapmap.solver.options import Cosines, Elements, Reference
 from snapmap.solver.plain_loop import starting
 from snapmap.solver.settings import FIRST, Run
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, command_device, cpu_seconds, few, number
 
-SETTINGS = Run(300.0, until="edge", repeat=False)
+SETTINGS = Run(300.0, repeat=False).but(until="edge")
 CELLS, F0_RANGE, ROWS = (25, 20), (500.0, 10e3), 20
 """Numbers of N and f0; Hz; number of thresholds."""
 FINE, SNAPS, TOLERANCE = 0.25, 5, 1e-7
@@ -48,17 +49,16 @@ class Example(NamedTuple):
     """A law, the model beside `reference`, and C."""
 
     law: str
-    model: dict
+    model: type
     C: float
 
 
-ELEMENTS, MODE = {"name": "elements"}, {"name": "cosines"}
 EXAMPLES = (
-    Example("cubic_damping", ELEMENTS, 3e4),
-    Example("squeeze_film", ELEMENTS, 200.0),
-    Example("hertzian_contact", ELEMENTS, 25.0),
-    Example("fixed_mass", ELEMENTS, 25.0),
-    Example("double_well", MODE, 25.0),
+    Example("cubic_damping", Elements, 3e4),
+    Example("squeeze_film", Elements, 200.0),
+    Example("hertzian_contact", Elements, 25.0),
+    Example("fixed_mass", Elements, 25.0),
+    Example("double_well", Cosines, 25.0),
 )
 
 
@@ -70,21 +70,18 @@ def main():
 def row(device: Device, example: Example) -> list[str]:
     """Measure speed and error of a law."""
     laws = load_laws(str(ROOT / "examples" / "laws" / f"{example.law}.py"))
-    model = build_model(device, **example.model, laws=laws)
-    plain = build_model(device, "reference", laws=laws)
+    model = build_model(device, example.model(laws=laws))
+    plain = build_model(device, Reference(laws=laws))
     exact = plain.with_step(FINE)
     f0, shares = np.geomspace(*F0_RANGE, few(CELLS[1], 2)), np.linspace(0.81, 1.6, few(CELLS[0], 4))
     rows = to_rows(0, np.geomspace(*F0_RANGE, few(ROWS, 2)), example.C)
-    edges = snapmap.threshold(
-        device, rows.f0, [example.C], model={**example.model, "laws": laws}
-    ).squeeze("C")
+    study = snapmap.Study(device, example.model(laws=laws))
+    edges = snapmap.threshold(study, rows.f0, [example.C]).squeeze("C")
     N = edges.N_first.values
     around = N * (1 - AROUND), N * (1 + AROUND)
     steps = [model.with_step(step) for step in STEPS]
-    N = [
-        lowest_snap(each, rows, around, SETTINGS, TOLERANCE, AROUND)
-        for each in (exact, plain, *steps)
-    ]
+    probes = (Probe(each, rows, SETTINGS) for each in (exact, plain, *steps))
+    N = [lowest_snap(probe, around, TOLERANCE, AROUND) for probe in probes]
     off = [abs(each / N[0] - 1) for each in N[1:]]
     N_cells = np.multiply.outer(np.interp(f0, rows.f0, N[0]), shares)
     cells = to_cells(device, 0, N_cells, f0[:, np.newaxis], example.C, SETTINGS.horizon)
@@ -96,7 +93,7 @@ def row(device: Device, example: Example) -> list[str]:
     some = np.flatnonzero(snapped.all(axis=0))
     some = some[:: max(1, some.size // few(SNAPS))]
     scipy = np.array([scipy_snap(exact, cells.flat().take([i])) for i in some])
-    moved = model.follow(cells.flat().take(some), SETTINGS._replace(until="moved")).t_snap
+    moved = model.follow(cells.flat().take(some), SETTINGS.but(until="moved")).t_snap
     late = [np.nanmax(abs(each - scipy)) for each in (t_snap[1][some], moved)]
     over = abs(edges.N_first.values - N[0]) / edges.N_error.values
     most = np.array([np.nanpercentile(each, 90) for each in off])

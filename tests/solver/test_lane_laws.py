@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from varied import varied
 
-import snapmap
 from snapmap.device.device import batch
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
@@ -25,7 +25,7 @@ N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
 
 
 def laws_of(**functions):
-    return snapmap.reference(**functions)["laws"]
+    return compile_laws(functions)
 
 
 def linear_drag(C, velocity, place):
@@ -50,7 +50,7 @@ def hertz(stiffness, overlap):
 
 def follow(device, model, laws, C, settings=SETTLED, step=1.0):
     laws = {"laws": laws} if laws else {}
-    built = build_model(device, **model, **laws).with_step(step)
+    built = build_model(device, flat.model(**model, **laws)).with_step(step)
     return built.follow(to_cells(built.device, 0, N, F0, C, 300.0), settings)
 
 
@@ -94,7 +94,7 @@ def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
     coarse, fine = (follow(handout, reference, laws, C, snap, step=s).t_snap for s in (0.2, 0.1))
     exact, errors = (4 * fine - coarse) / 3, []
     for step in (0.5, 0.25, 0.125):
-        moved = snap._replace(until="moved")
+        moved = snap.but(until="moved")
         ours = follow(handout, ELEMENTS, laws, C, moved, step=step).t_snap
         assert (np.isfinite(ours) == np.isfinite(exact)).all()
         errors.append(np.nanmedian(abs(ours - exact)))
@@ -105,7 +105,7 @@ def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
 def test_what_a_contact_takes_it_gives_back(handout, contact):
     """Over thousands of contacts without a damper, in steps ten times apart."""
     laws, settings = laws_of(contact=contact), Run(5000.0)
-    model = build_model(handout, **COSINES, laws=laws)
+    model = build_model(handout, flat.model(**COSINES, laws=laws))
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(handout, 0, [880.0, 1100.0, 1500.0], 1500.0, 0.0, 5000.0)
     for factor in (0.5, 1.0, 5.0):
@@ -118,7 +118,7 @@ def test_a_run_that_is_proven_to_stay_stays(handout):
     proven = follow(handout, COSINES, laws, 3e4)
     settled = np.isfinite(proven.t_settled)
     assert settled.sum() > 5
-    model = build_model(handout, **COSINES, laws=laws)
+    model = build_model(handout, flat.model(**COSINES, laws=laws))
     open_ended = replace(model, barrier=model.barrier._replace(energy=-np.inf))
     cells = to_cells(handout, 0, N, F0, 3e4, 3000.0)
     moved = open_ended.follow(cells, Run(3000.0))
@@ -154,7 +154,7 @@ def test_a_contact_whose_energy_has_no_bottom_proves_nothing(handout):
 
 def test_a_cell_does_not_depend_on_its_company(handout):
     laws, draw = laws_of(damping=cubic_drag, contact=hertz), np.random.default_rng(3)
-    model, settings = build_model(handout, **COSINES, laws=laws), Run()
+    model, settings = build_model(handout, flat.model(**COSINES, laws=laws)), Run()
     cells = to_cells(
         handout, 0, draw.uniform(700, 2500, 37), draw.uniform(700, 9e3, 37), 3e4, 300.0
     )
@@ -169,12 +169,12 @@ def test_a_cell_does_not_depend_on_its_company(handout):
 def test_a_device_of_a_batch_has_its_own_tables(handout):
     devices = [varied(handout, contact=40.0), varied(handout, contact=70.0, rise=11.0)]
     laws = laws_of(contact=one_sided)
-    together = build_model(batch(devices), **COSINES, laws=laws)
+    together = build_model(batch(devices), flat.model(**COSINES, laws=laws))
     cells = to_cells(together.device, [[0], [1]], np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
     mixed = together.follow(cells, Run())
     for i, device in enumerate(devices):
         one = to_cells(device, 0, np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
-        for model in (build_model(device, **COSINES, laws=laws), together.pick(i)):
+        for model in (build_model(device, flat.model(**COSINES, laws=laws)), together.pick(i)):
             for whole, alone in zip(mixed[:8], model.follow(one, Run())[:8], strict=True):
                 np.testing.assert_array_equal(whole[i], alone)
 
@@ -196,7 +196,7 @@ def test_a_table_is_the_integral_of_its_law():
 
 
 def test_the_flexibility_of_modes_left_out_is_in_series(handout):
-    model = build_model(handout, **COSINES, laws=laws_of(contact=hertz))
+    model = build_model(handout, flat.model(**COSINES, laws=laws_of(contact=hertz)))
     assert model.tables.values.shape == (2, CELLS, 4)
     c, x = float(model.modal.residual), np.array([0.003, 0.4, 2.0, 5.0])
     _, push = look_up(model.tables.values[1], 100.0, x)
@@ -224,7 +224,7 @@ def test_compiling_a_law_is_said_once_before_it_begins(handout, caplog):
 
 REFUSED = {
     "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
-    "device.stops": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
+    "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
     "model.laws: contact: falls": ({}, {"contact": lambda k, s: -900.0 * s}, {"modes": 3}),
     "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
     "model.laws: solver": ({}, {"solver": lambda cell, step: None}, {}),
@@ -235,24 +235,23 @@ REFUSED = {
 def test_what_a_kernel_cannot_do_is_refused_in_a_line(handout, line):
     change, laws, options = REFUSED[line]
     with pytest.raises(ValueError, match=rf"\A{line}[^\n]*\Z"):
-        build_model(varied(handout, **change), "cosines", laws=compile_laws(laws), **options)
+        build_model(varied(handout, **change), flat.model("cosines", laws=laws, **options))
 
 
 @pytest.mark.parametrize("name", ["reference", "cosines"])
 def test_a_law_that_gives_energy_has_no_bound(handout, name):
     device, rows = batch([handout]), to_rows(0, [1500.0], 25.0)
-    bounds = [
-        least_amplitudes(build_model(device, name, laws=laws_of(damping=damping)), rows).item()
-        for damping in (cubic_drag, lambda C, v, z: C * v * (-0.2 if abs(z) < 1 - 1e-9 else 1.0))
-    ]
-    plain = least_amplitudes(build_model(device, name), rows).item()
+    drags = cubic_drag, lambda C, v, z: C * v * (-0.2 if abs(z) < 1 - 1e-9 else 1.0)
+    models = (build_model(device, flat.model(name, laws={"damping": drag})) for drag in drags)
+    bounds = [least_amplitudes(model, rows).item() for model in models]
+    plain = least_amplitudes(build_model(device, flat.model(name)), rows).item()
     assert bounds == [plain, 0.0] and plain > 0
 
 
 def test_a_history_shows_the_laws_energy(handout):
     """All energies add up to the work of the pulse less the loss."""
-    model = {"model": snapmap.reference(damping=cubic_drag, contact=hertz) | COSINES}
-    run = snapmap.simulate(handout, 1100.0, 1500.0, 4000.0, **model, horizon=0.0)
+    model = flat.model(**COSINES, laws={"damping": cubic_drag, "contact": hertz})
+    run = flat.simulate(handout, 1100.0, 1500.0, 4000.0, model, horizon=0.0)
     stored = sum(run[key] for key in run if key.endswith("_energy"))
     assert abs(stored - run.pulse_work).max() < 1e-6 * run.pulse_work.max()
     assert run.contact_energy.max() > 1 and run.contact_force.max() > 10

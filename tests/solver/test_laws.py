@@ -159,7 +159,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == SNAPPED
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all()
-    assert np.isnan(run.contact_energy).all() == (model["name"] == "reference")
+    assert np.isnan(run.contact_energy).all() == (model.name == "reference")
     with pytest.raises(ValueError, match=r"model\.laws: work only with simulate, sweep, threshold"):
         flat.tolerance(device, {"mass": 1.0}, N=[1], f0=[1], C=[1], model=model)
 
