@@ -102,7 +102,7 @@ def integrated(device, N, f0, C):
 
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
-    study = Study(device=device, model=MODEL, settings=Run(horizon=HORIZON))
+    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
     seen, expected = observed_of(study, N, f0, 25.0), integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key

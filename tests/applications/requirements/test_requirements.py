@@ -36,7 +36,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(device=handout, settings=study.run), asked, [25.0])
+    verdicts = check(Study(handout, run=study.run), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
     assert [verdict.verdict for verdict in verdicts] == expected
     for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):

@@ -25,7 +25,7 @@ def brittle(handout):
 
 def stress_of(device, cube, settings=SETTINGS):
     model = json.loads(cube.attrs["config"])["model"]
-    return stress_of_cube(Study(device=device, model=model, settings=settings), cube)
+    return stress_of_cube(Study(device, model=model, run=settings), cube)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def cube(brittle):
 
 @pytest.fixture(scope="module")
 def stress(brittle, cube):
-    return stress_of(brittle, cube, SETTINGS._replace(threads=2))
+    return stress_of(brittle, cube, SETTINGS.but(threads=2))
 
 
 @pytest.mark.parametrize(("N", "C"), [(800.0, 200.0), (2200.0, 200.0), (1000.0, 0.025)])
