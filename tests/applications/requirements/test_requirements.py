@@ -129,7 +129,7 @@ def test_the_worst_corner_is_in_front():
 def document(root):
     """The handout's config by three cosines, to 300 us after a shock."""
     document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    document["sweep"]["horizon"] = "300 us"
+    document["run"]["horizon"] = "300 us"
     return document | {"model": {"name": "cosines", "modes": 3}}
 
 

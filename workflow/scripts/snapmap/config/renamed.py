@@ -1,6 +1,7 @@
 """Keys and values of version 0.3, as those of today."""
 
 import copy
+import json
 from collections.abc import Mapping
 
 from ..files.text import describe
@@ -42,6 +43,11 @@ def renew(document: Mapping) -> tuple[dict, list[str]]:
     for name, device in devices.items() if isinstance(devices, dict) else ():
         lines += _move(device, f"devices.{name}.", OF_DEVICE)
     return document, lines + _without_percent(document.get("model"))
+
+
+def config_of(attributes: Mapping[str, str]) -> dict:
+    """Give the config in the attributes of a dataset, with the keys of today; empty without one."""
+    return renew(json.loads(attributes.get("config", "{}")))[0]
 
 
 def _without_percent(model):
