@@ -47,7 +47,7 @@ def made(handout):
         [25.0],
         samples=4,
         index_samples=4,
-        requirements=[REQUIRED],
+        requirements=[REQUIRED | {"survives": True}],
         **SHORT,
     )
     edges = flat.threshold(handout, **axes, **MODEL)
