@@ -34,7 +34,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     )
     required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
-    moved = extremes_of(replace(study, shocks=shocks), 500.0, 1000.0, 25.0)
+    moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
     verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
     closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
     row = closing | verdict._asdict() | moved._asdict() | survival._asdict()

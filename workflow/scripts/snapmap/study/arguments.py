@@ -9,9 +9,11 @@ from typing_extensions import TypeAliasType
 
 from ..device.device import VALUES, Device
 from ..files.text import show
+from ..pulse.shocks import Directions, Pulses
 from ..solver.settings import STARTS
+from ..values.faults import line_at
 from ..values.kinds import Kind, Quantity, Several, Word, kind_of
-from ..values.quantities import Frequency, Positive
+from ..values.quantities import Frequency, Positive, Truth
 from .axes import KIND_OF
 from .study import ANY, ARRIVES, DevicesKind, Study
 
@@ -75,6 +77,17 @@ def pair_of(key: str, ends: object) -> tuple[float, float]:
     return tuple(row.tolist())
 
 
+OF_REQUIREMENT = {
+    "N": kind_of(Positive),
+    "f0": kind_of(Frequency),
+    "pulse": kind_of(Pulses),
+    "direction": kind_of(Directions),
+    "start": Word(STARTS),
+    "survives": kind_of(Truth),
+}
+"""Kinds of the values of a requirement, but for `name` and `snaps`."""
+
+
 class RequirementsKind(Kind):
     """Required shocks, as mappings."""
 
@@ -92,12 +105,15 @@ class RequirementsKind(Kind):
         item, name = dict(item), item["name"]
         if not isinstance(name, str):
             raise ValueError(f"[{place}].name: {show(name)} is not text")
-        kinds = {"N": kind_of(Positive), "f0": kind_of(Frequency), "start": Word(STARTS)}
-        for key in kinds.keys() & item.keys():
+        for key in item:
+            if key not in ("name", "snaps", *OF_REQUIREMENT):
+                known = ", ".join(OF_REQUIREMENT)
+                raise ValueError(f"[{place}].{key}: unknown key; known are name, snaps, {known}")
+        for key in OF_REQUIREMENT.keys() & item.keys():
             try:
-                item[key] = kinds[key].take(item[key])
+                item[key] = OF_REQUIREMENT[key].take(item[key])
             except ValueError as error:
-                raise ValueError(f"[{place}].{key}: {error}") from None
+                raise ValueError(line_at((place, key), str(error))) from None
         snaps = item["snaps"]
         if not isinstance(snaps, bool | np.bool_) and snaps not in (ANY, ARRIVES):
             raise ValueError(
