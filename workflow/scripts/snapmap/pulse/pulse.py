@@ -11,10 +11,10 @@ from typing_extensions import TypeAliasType
 from ..files.tables import require_rising
 from ..files.text import show
 from ..numerics.portable import sines
-from ..values.kinds import Quantity, Single, Word
+from ..values.kinds import Number, Quantity, Single, Word
 from ..values.quantities import Share
 from ..values.records import record
-from ..values.units import numbers_in
+from ..values.units import numbers_in, unit_of
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
@@ -22,8 +22,18 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 
 
 _ANY = "(-inf, inf)"
+
+
+class SeriesKind(Quantity):
+    """Numbers in any unit."""
+
+    def take(self, value: object) -> Number:
+        """Convert numbers, which stay in their unit."""
+        return Quantity(self.noun, unit_of(value) or "", interval=self.interval).take(value)
+
+
 Series = TypeAliasType(
-    "Series", Annotated[Sequence[float] | np.ndarray, Quantity("a plain number", interval=_ANY)]
+    "Series", Annotated[Sequence[float] | np.ndarray, SeriesKind("a plain number", interval=_ANY)]
 )
 Times = TypeAliasType(
     "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
