@@ -133,6 +133,20 @@ class Pulse:
         object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
 
+    def __eq__(self, other):
+        """Compare by value."""
+        return isinstance(other, Pulse) and self._key == other._key
+
+    def __hash__(self):
+        """Hash by value."""
+        return hash(self._key)
+
+    @property
+    def _key(self):
+        told = self.duration, self.notes, self.swing, self.strongest
+        arrays = self.pieces.tobytes(), self.blows.tobytes()
+        return self.name, *told, *arrays, repr(self.peak), repr(self.section)
+
     def __repr__(self):
         """Write the name, as signatures show a pulse as a default."""
         return f"<Pulse {self.name!r}>"
