@@ -101,7 +101,7 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
     if isinstance(value, list | tuple) and any(map(_has_unit, value)):
         rows = [numbers_in(item, unit) for item in value]
         return None if any(row is None for row in rows) else np.array(rows)
-    own = unit_of(value)
+    own, value = unit_of(value), _held(value)
     if own is not None and hasattr(type(value), "magnitude"):  # pint and Python's other packages
         value = value.magnitude
     elif own is not None and not hasattr(value, "attrs"):
@@ -133,11 +133,18 @@ def plain_numbers(value: object) -> np.ndarray | None:
 
 def unit_of(value: object) -> str | None:
     """Give the unit that a variable of xarray, or an object of a package for units, has."""
-    attributes = getattr(value, "attrs", None)
-    if isinstance(attributes, Mapping) and not _has_unit(getattr(value, "data", None)):
-        return str(attributes["units"]) if "units" in attributes else None
-    held = value if attributes is None else value.data
-    return str(getattr(held, "units", getattr(held, "unit", ""))) if _has_unit(held) else None
+    held = _held(value)
+    if _has_unit(held):
+        return str(getattr(held, "units", getattr(held, "unit", "")))
+    attributes = getattr(held, "attrs", None)
+    has_units = isinstance(attributes, Mapping) and "units" in attributes
+    return str(attributes["units"]) if has_units else None
+
+
+def _held(value):
+    """Give the object with a unit that a variable of xarray holds; leave others as they are."""
+    data = getattr(value, "data", None) if hasattr(value, "attrs") else None
+    return data if _has_unit(data) else value
 
 
 def _has_unit(value):
