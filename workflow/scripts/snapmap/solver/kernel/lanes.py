@@ -6,10 +6,12 @@ import numpy as np
 
 from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
-from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, numbers, vectors
+from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance
 
+Parts = tuple[float, float, float, float]
+"""Energies of beam, mass and contact, and w."""
 MARGIN = 2.0
 """Margin of a proof over the largest residual of the energy ledger so far."""
 ROUNDING = 1e-12
@@ -47,7 +49,7 @@ class Task(NamedTuple):
     """
 
     devices: np.ndarray
-    pulses: tuple[np.ndarray, np.ndarray, np.ndarray]
+    pulses: Pulses
     device: np.ndarray
     pulse: np.ndarray
     amplitude: np.ndarray
@@ -62,7 +64,15 @@ class Task(NamedTuple):
 
 
 @compiled
-def load(work, shape, l, device, damping, amplitude, dt):
+def load(
+    work: np.ndarray,
+    shape: Shape,
+    l: int,
+    device: np.ndarray,
+    damping: float,
+    amplitude: float,
+    dt: float,
+) -> None:
     """Put a cell at rest into lane l, in coordinates in which every mode has mass 1.
 
     The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
@@ -112,7 +122,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
 
 
 @inlined
-def begin(X, V, modes, l):
+def begin(X: Rows, V: Rows, modes: int, l: int) -> None:
     """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
     for i in range(modes):
@@ -127,7 +137,9 @@ def begin(X, V, modes, l):
 
 
 @inlined
-def check_lane(X, V, modes, l, cell, state, task):
+def check_lane(
+    X: Rows, V: Rows, modes: int, l: int, cell: int, state: PulseState, task: Task
+) -> bool:
     """Return whether the run in lane l is over, after a block; if it is, write its facts."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
@@ -174,7 +186,7 @@ def check_lane(X, V, modes, l, cell, state, task):
 
 
 @inlined
-def half_step_midpoint(V, modes, l):
+def half_step_midpoint(V: Rows, modes: int, l: int) -> float:
     """Return e.p at the last half step."""
     w = 0.0
     for i in range(modes):
@@ -184,7 +196,7 @@ def half_step_midpoint(V, modes, l):
 
 
 @inlined
-def energies(X, V, modes, l):
+def energies(X: Rows, V: Rows, modes: int, l: int) -> Parts:
     """Return the energies of beam, mass and contact, whose sum `advance` conserves, and w.
 
     They hold at the last half step, where products of two instants replace squares.
@@ -202,7 +214,7 @@ def energies(X, V, modes, l):
 
 
 @inlined
-def ledger(X, V, modes, l, drag):
+def ledger(X: Rows, V: Rows, modes: int, l: int, drag: float) -> tuple[float, ...]:
     """Return `energies`, and energy + losses - work of the pulse - energy at start; drag: C dt."""
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
@@ -211,7 +223,7 @@ def ledger(X, V, modes, l, drag):
 
 
 @inlined
-def proven_well(X, l, parts, margin):
+def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
     """Return the well that the beam can never leave without a shock, or 0 if that is open.
 
     Well 1 is that of the start, 2 the other. Energy only falls after the pulse. The beam cannot
@@ -232,7 +244,7 @@ def proven_well(X, l, parts, margin):
 
 
 @compiled
-def follow_all(work, shape, task):
+def follow_all(work: np.ndarray, shape: Shape, task: Task) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
     widen_vectors()
     work[:] = 0.0
