@@ -1,6 +1,7 @@
 """Records described in JSON Schema, for editors of YAML, and in docstrings, for help."""
 
 import inspect
+from typing import Any
 
 from .fields import hints, instead_of, need_of, record_in, rows, summary
 from .kinds import kind_of
@@ -31,7 +32,7 @@ def _taken(hint):
     return kind.need if kind else holder.__name__ if holder else need_of(hint)
 
 
-def described(made, core, handler):
+def described(made: type, core: Any, handler: Any) -> dict[str, Any]:
     """Describe a record to `schema`, with sentences and defaults as a config has them."""
     described = handler(core)
     whole = handler.resolve_ref_schema(described)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
@@ -19,7 +19,7 @@ MOST_KNOWN = 20
 Made = TypeVar("Made")
 
 
-def explained(made, source, handler):
+def explained(made: type, source: Any, handler: Any) -> Any:
     """Make the schema by which pydantic reads a section; each fault becomes a line of its own."""
 
     def explain(values, inner, info):
