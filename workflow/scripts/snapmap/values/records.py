@@ -181,9 +181,10 @@ def within(line: str) -> str:
 
 
 def told(whole: object) -> dict[str, Any]:
-    """Give the values of a record that differ from its defaults, by key."""
-    values = [(field.name, getattr(whole, field.name), field.default) for field in fields(whole)]
-    return {key: value for key, value, default in values if _differs(value, default)}
+    """Give the values of a record that differ from its defaults, by key, in the order written."""
+    defaults = {field.name: field.default for field in fields(whole)}
+    own = {key: value for key, value in vars(whole).items() if key in defaults}
+    return {key: value for key, value in own.items() if _differs(value, defaults[key])}
 
 
 @cache
@@ -225,6 +226,9 @@ def _explained(made, source, handler):
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
                     faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
+            own = vars(section)
+            written = {key: own.pop(key) for key in values if key in own}
+            own |= written  # behind those that are not written
             return section
         errors = [
             {
