@@ -38,6 +38,9 @@ def explained(made: type, source: Any, handler: Any) -> Any:
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
                     faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
+            own = vars(section)
+            written = {key: own.pop(key) for key in values if key in own}
+            own |= written  # behind those that are not written
             return section
         errors = [
             {
