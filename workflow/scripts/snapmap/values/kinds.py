@@ -141,14 +141,13 @@ class Quantity(Kind):
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        right = np.False_ if array is None else self._holds(array)
-        if not right.size or not right.all():
-            wrong = array[~right][0] if right.size and right.ndim else value
-            raise ValueError(f"{show(wrong)} is not {self.need}")
+        if array is None or not array.size:
+            raise ValueError(f"{show(value)} is not {self.need}")
+        worded = [number for _, number in self.words]
+        wrong = array[~(self.bounds.holds(array) | np.isin(array, worded))]
+        if wrong.size:
+            raise ValueError(f"{show(wrong[0] if array.ndim else value)} is not {self.need}")
         return array if array.ndim else array.item()
-
-    def _holds(self, values):
-        return self.bounds.holds(values) | np.isin(values, [number for _, number in self.words])
 
     def read(self, value: object) -> float:
         """Convert text with a unit, or a number without one."""
@@ -167,10 +166,11 @@ class Quantity(Kind):
 
     def write(self, value: float) -> object:
         """Write a number with its unit."""
+        if not self.unit:
+            return value
         if self.unit == "%":
             return f"{plain(100 * value)} %"
-        text = units.used(f"{value} {self.unit}", self.reads) if self.unit else value
-        return text.replace(" 1/", " /") if self.unit else value
+        return units.used(f"{value} {self.unit}", self.reads).replace(" 1/", " /")
 
     def schema(self) -> dict:
         """Describe text with a unit, or a number."""
@@ -219,8 +219,7 @@ class Several(Kind):
         try:
             row = np.atleast_1d(self.of.take(value))
         except ValueError as error:
-            words = str(error).replace(self.of.need, self.need)
-            raise ValueError(words) from None
+            raise ValueError(str(error).replace(self.of.need, self.need)) from None
         if row.ndim > 1 or not row.size or np.unique(row).size < row.size:
             raise ValueError(f"{show(value)} is not {self.need}")
         return row
