@@ -11,7 +11,7 @@ from studies.__main__ import NAMES
 
 LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
 SPAN = re.compile(r"`(\./run [^`]+)`")
-STUDY = re.compile(r"python -m studies ([a-z]+)")
+STUDY = re.compile(r"python -m studies ([a-z_]+)")
 
 ELSEWHERE = {
     "test_every_figure_is_there": [
