@@ -31,10 +31,14 @@ def test_what_is_missing_twice_or_misspelt_is_a_line():
     for key in BEAM:
         with pytest.raises(TypeError, match=rf"\A{key}: missing; write .*\Z"):
             snapmap.Beam(**{other: BEAM[other] for other in BEAM if other != key})
-        with pytest.raises(TypeError, match=rf"\A{key[:-1]}: is not a value; did you mean {key}\?"):
+        with pytest.raises(
+            TypeError, match=rf"\A{key[:-1]}: is not an argument; did you mean {key}\?"
+        ):
             snapmap.Beam(**BEAM, **{key[:-1]: 1.0})
     with pytest.raises(TypeError, match=r"\Aspan: comes twice; write it once\Z"):
         snapmap.Beam(600.0, **BEAM)
+    with pytest.raises(TypeError, match=r"\ARun: takes 6 arguments without a name, not 7\Z"):
+        snapmap.Run(500.0, "snap", None, 1e-3, "first", 1, 2)
 
 
 def test_a_fault_of_a_mapping_within_has_its_path():

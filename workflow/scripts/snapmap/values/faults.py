@@ -40,16 +40,13 @@ def in_list(place: int, line: str) -> str:
     return f"[{place}]{line}" if _WITHIN.match(line) else f"[{place}]: {line}"
 
 
-def name_of(path: Sequence[str | int], lead: str = "") -> str:
-    """Write a path as `device.beam.span` or `sweep.f0[2]`; the document itself is `config`.
-
-    lead: sign before the first key
-    """
+def name_of(path: Sequence[str | int]) -> str:
+    """Write a path as `device.beam.span` or `sweep.f0[2]`; the document itself is `config`."""
     name = ""
     for key in path:
         plain = isinstance(key, str) and key.isidentifier() and len(key) <= LONGEST_KEY
         name += f".{key}" if plain else f"[{describe(key, LONGEST_KEY)}]"
-    return name if lead else name.removeprefix(".") or "config"
+    return name.removeprefix(".") or "config"
 
 
 def within(line: str) -> str:

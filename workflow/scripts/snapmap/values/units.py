@@ -73,6 +73,7 @@ _QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
 _LONGEST = 60
 _CELSIUS = ("degree_Celsius", "degrees_Celsius", "degree_C", "degrees_C", "deg_C", "celsius", "°C")
 _ALIAS = {**dict.fromkeys(_CELSIUS, "degC"), "kelvin": "K", "percent": "%"}
+_ALIAS |= {spelt.files: unit for unit, spelt in SPELT.items()}
 """Spellings of packages for units, and of CF, that text in a config does not have."""
 _ZERO = Decimal("273.15")
 _ARITHMETIC = Context(prec=40, traps=[])
@@ -204,10 +205,8 @@ def _converted(number, own, target):
     """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay."""
     if not math.isfinite(number):
         return number
-    own = next((unit for unit, spelt in SPELT.items() if spelt.files == own), own)
-    own = _ALIAS.get(
-        own, re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
-    )
+    powers = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
+    own = _ALIAS.get(own, powers)
     if not _matches(re.compile(_UNIT, re.ASCII), own):
         raise ValueError(f"has an unknown unit, {show(own)}")
     return _convert(Decimal(repr(number)), own, target)
