@@ -96,6 +96,7 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
         rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
     source = {
         "pulse": {"direction": "both"},
+        "run": {"until": "snap"},
         "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
         "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
     }
@@ -114,6 +115,7 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
     assert config_hash(source) != config_hash(source | {"title": "another"})
     for name, value in {
         "pulse: direction": "both",
+        "run: until": "snap",
         "sweep: C": "25 uN*us/um, 200 uN*us/um",
         "sweep: N": "from 500, points 3",
         "devices as made: thickness": "0.05 um, standard deviation",

@@ -314,3 +314,10 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}
+
+
+def test_values_of_a_config_scatter_in_the_order_in_which_they_are_written():
+    """Each draws by its place, so that another order would be other devices."""
+    names = ["N", "thickness", "rise", "span"]
+    document = yaml.safe_load(TINY) | {"tolerances": dict.fromkeys(names, "1 %")}
+    assert [*load_config(document).requests["tolerances"].scatters] == names

@@ -1,6 +1,6 @@
 """The conversion of a config document to a `Config` in internal units."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -173,7 +173,7 @@ def load_config(document: Mapping) -> Config:
 class _Faults(list):
     """Lines on the faults of a config."""
 
-    def catch(self, path, function, *arguments):
+    def catch(self, path: tuple, function: Callable, *arguments: Any) -> Any:
         """Call a function, and take its ValueError as the fault of the key at a path."""
         try:
             return function(*arguments)
@@ -181,7 +181,7 @@ class _Faults(list):
             line = str(error)
             self.append(line if line.startswith("device") else line_at(path, line))
 
-    def refuse(self):
+    def refuse(self) -> None:
         """Raise Faults if there are some."""
         if self:
             raise Faults(*dict.fromkeys(self))

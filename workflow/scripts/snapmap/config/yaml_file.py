@@ -42,7 +42,7 @@ def _mapping(text):
 class _Loader(yaml.SafeLoader):
     """A loader that refuses equal keys, of which PyYAML keeps the last, and surprising numbers."""
 
-    def construct_mapping(self, node, deep=False):
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict:
         keys = set()
         for key, _ in node.value:
             if key.value in keys:
@@ -51,7 +51,7 @@ class _Loader(yaml.SafeLoader):
             keys.add(key.value)
         return super().construct_mapping(node, deep)
 
-    def construct_decimal(self, node):
+    def construct_decimal(self, node: yaml.ScalarNode) -> int | float:
         text = self.construct_scalar(node)
         if _SURPRISE.match(text):
             problem = f"{describe(text)} is not a plain decimal number"

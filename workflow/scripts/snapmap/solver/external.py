@@ -7,7 +7,9 @@ import numpy as np
 from ..device.device import Device
 from ..files.text import show
 from ..pulse.pulse import Pulse
+from .cells import Cells
 from .laws import of_user
+from .settings import Run
 
 LANES = 1  # cells that are followed side by side
 
@@ -28,7 +30,7 @@ class Cell(NamedTuple):
         return self.amplitude * self.pulse.at(np.asarray(self.f0 * t))
 
 
-def march(model, cells, dt, settings):
+def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarray, ...]:
     """Follow cells by the solver of `Laws`; takes and returns what `plain_loop.march` does.
 
     The solver takes a `Cell` and a step, us, and returns t_snap, us: None or NaN for no snap, inf

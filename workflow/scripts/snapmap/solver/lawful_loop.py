@@ -4,8 +4,18 @@ import numpy as np
 from numba import njit
 
 from ..numerics import pieces as curve
-from .ledger import bounced, entered, keep, opened, results
-from .nodal import axial_force, beam_loss, contact_energy, dot, free_energy, mobility, multiply
+from .laws import Law
+from .ledger import CellRun, bounced, entered, keep, opened, results
+from .nodal import (
+    System,
+    axial_force,
+    beam_loss,
+    contact_energy,
+    dot,
+    free_energy,
+    mobility,
+    multiply,
+)
 from .stops import is_held, meet_stops
 
 PASSES = 3
@@ -14,7 +24,9 @@ SPARE = 1.44
 """Most (omega dt)^2 that a law may add: the limit is 4, and a step at 0.8 of it leaves 1.44."""
 
 
-def follow(system, run, D, P, F):
+def follow(
+    system: System, run: CellRun, D: Law | None, P: Law | None, F: Law | None
+) -> tuple[float, float, float]:
     """March a cell as `plain_loop.follow` does, with laws in its lines.
 
     D, P, F: damping, contact and force of `Laws`, or None. The ledger takes the work of P and F as

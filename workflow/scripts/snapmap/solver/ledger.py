@@ -44,13 +44,13 @@ class Ledger(NamedTuple):
 
 
 @compiled
-def opened(begun):
+def opened(begun: float) -> Ledger:
     """Return the ledger of a run that begins with this energy."""
     return Ledger(begun, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
-def entered(ledger, power, loss, dt):
+def entered(ledger: Ledger, power: float, loss: float, dt: float) -> Ledger:
     """Return the ledger a step later, by the trapezoidal rule; power, loss: at its instant."""
     return Ledger(
         ledger.begun,
@@ -63,14 +63,14 @@ def entered(ledger, power, loss, dt):
 
 
 @compiled
-def bounced(ledger, pushed, taken):
+def bounced(ledger: Ledger, pushed: float, taken: float) -> Ledger:
     """Return the ledger after a bounce; pushed: work of the pulse in it; taken: by the stop."""
     begun, power, work, gross_work, loss, lost = ledger
     return Ledger(begun, power, work + pushed, gross_work + abs(pushed), loss, lost + taken)
 
 
 @compiled
-def keep(row, u, velocity, numbers):
+def keep(row: np.ndarray, u: np.ndarray, velocity: np.ndarray, numbers: tuple[float, ...]) -> None:
     """Write an instant into its row of a history; numbers: the last four."""
     n = u.size
     row[:n], row[n : 2 * n] = u, velocity
@@ -78,7 +78,9 @@ def keep(row, u, velocity, numbers):
 
 
 @compiled
-def results(run, step, sides, ledger, residual):
+def results(
+    run: CellRun, step: int, sides: tuple[float, float], ledger: Ledger, residual: float
+) -> tuple[float, float, float]:
     """Return t_snap, energy_error and pulse_work of a run that ends after a step.
 
     sides: side w(L/2) now and after the step; residual: of the ledger, pJ

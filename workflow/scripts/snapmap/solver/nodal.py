@@ -74,7 +74,7 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
 
 
 @compiled
-def dot(a, b):
+def dot(a: np.ndarray, b: np.ndarray) -> float:
     """Return a . b."""
     total = 0.0
     for i in range(a.size):
@@ -83,7 +83,7 @@ def dot(a, b):
 
 
 @compiled
-def multiply(matrix, vector, result):
+def multiply(matrix: np.ndarray, vector: np.ndarray, result: np.ndarray) -> None:
     """Set result to matrix vector, in place."""
     for i in range(vector.size):
         total = 0.0
@@ -93,7 +93,9 @@ def multiply(matrix, vector, result):
 
 
 @compiled
-def axial_force(system, u, bending_u, geometric_u):
+def axial_force(
+    system: System, u: np.ndarray, bending_u: np.ndarray, geometric_u: np.ndarray
+) -> float:
     """Set bending_u = Kb u and geometric_u = G u; returns N = -EA/2L (2 u.G q0 + u.G u), uN."""
     quadratic = 0.0
     for i in range(u.size):
@@ -107,7 +109,9 @@ def axial_force(system, u, bending_u, geometric_u):
 
 
 @compiled
-def free_energy(system, u, velocity, of_mass, N):
+def free_energy(
+    system: System, u: np.ndarray, velocity: np.ndarray, of_mass: tuple[float, float], N: float
+) -> float:
     """Return kinetic, bending, axial and spring energy in total, pJ; of_mass: y and dy/dt."""
     (y, y_velocity), product = of_mass, np.empty(u.size)
     multiply(system.inertia, velocity, product)
@@ -118,21 +122,21 @@ def free_energy(system, u, velocity, of_mass, N):
 
 
 @compiled
-def contact_energy(system, u, y):
+def contact_energy(system: System, u: np.ndarray, y: float) -> float:
     """Return the energy of the penalty contact, pJ."""
     overlap = max(0.0, dot(system.midpoint, u) - y - system.gap)
     return system.penalty * overlap**2 / 2
 
 
 @compiled
-def beam_loss(system, velocity, product):
+def beam_loss(system: System, velocity: np.ndarray, product: np.ndarray) -> float:
     """Return the power that the beam's own damping takes, pJ/us; product: room, (n,)."""
     multiply(system.inertia, velocity, product)
     return system.beam_damping * dot(velocity, product)
 
 
 @compiled
-def mobility(system):
+def mobility(system: System) -> float:
     """Return the acceleration of the midpoint by a force of 1 uN on it, um/us^2."""
     acceleration = np.empty(system.start.size)
     multiply(system.inverse_inertia, system.midpoint, acceleration)

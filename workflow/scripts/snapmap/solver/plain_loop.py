@@ -1,22 +1,34 @@
 """The handout's scheme to the letter: central differences in a plain loop."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled
 from ..numerics.linalg import apply
 from . import lawful_loop
-from .laws import of_user
+from .cells import Cells
+from .laws import Laws, of_user
 from .ledger import CellRun, bounced, entered, keep, opened, results
-from .nodal import axial_force, beam_loss, contact_energy, dot, free_energy, multiply, nodal_system
-from .settings import SECOND
+from .nodal import (
+    System,
+    axial_force,
+    beam_loss,
+    contact_energy,
+    dot,
+    free_energy,
+    multiply,
+    nodal_system,
+)
+from .settings import SECOND, Run
 from .stops import is_held, meet_stops
 
 LANES = 1  # cells that are followed side by side
 
 
 @compiled
-def follow(system, run):
+def follow(system: System, run: CellRun) -> tuple[float, float, float]:
     """March a cell by central differences until side w(L/2) passes the target or steps are done.
 
     With u = q - q0 and the displacement y of the mass, both from rest, at t = n dt:
@@ -81,7 +93,7 @@ def follow(system, run):
     return results(run, step, (system.side * w_mid, system.side * w_after), ledger, residual)
 
 
-def follower(laws):
+def follower(laws: Laws | None) -> Callable:
     """Return `follow`, or the loop of `lawful_loop` with the laws bound to it, if there are any."""
     if laws is None:
         return follow
@@ -93,7 +105,7 @@ def follower(laws):
     return follow_by
 
 
-def starting(model, start):
+def starting(model, start: str) -> System:
     """Return the system of a model of a single device whose runs begin as `start` says."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
     system = nodal_system(model.device, model.basis, nodes)
@@ -102,7 +114,7 @@ def starting(model, start):
     return system
 
 
-def march(model, cells, dt, settings):
+def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarray, ...]:
     """Follow cells to their snaps or t_end, whatever `settings.until`; nothing settles.
 
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)

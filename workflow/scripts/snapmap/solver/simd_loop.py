@@ -1,5 +1,6 @@
 """Calls of the SIMD kernels for the cells of a model."""
 
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
@@ -9,15 +10,15 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse.pulse import table
-from .cells import no_observations
+from .cells import Cells, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
-from .kernel.laws import CONTACT, FORCE
+from .kernel.laws import CONTACT, FORCE, LaneLaws
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
-from .kernel.rows import LANES
+from .kernel.rows import LANES, Shape
 from .kernel.trace import follow_stress, keep_midpoints
 from .lane_laws import lane_laws, raise_error
-from .settings import FIRST, SECOND
+from .settings import FIRST, SECOND, Run
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
 """Factor of w, by which the midpoint of every run begins above its target."""
@@ -25,7 +26,7 @@ WINDOW = 64 * BLOCK
 """Steps whose midpoints are in memory at once."""
 
 
-def march(model, cells, dt, settings):
+def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     """Follow cells, (cells,), of a `Model`, as `Run` say, in steps dt, us, (cells,).
 
     Returns `Facts`.
@@ -59,7 +60,9 @@ def _coefficients(model, start):
     return coefficients(model, model.snap_target(start), start)
 
 
-def largest_stress(model, cells, dt, steps, rows, start=FIRST):
+def largest_stress(
+    model, cells: Cells, dt: np.ndarray, steps: np.ndarray, rows: np.ndarray, start: str = FIRST
+) -> np.ndarray:
     """Follow up to LANES cells for the largest tensile stress, MPa, (cells,).
 
     dt: us, (cells,); steps: number of each cell, (cells,)
@@ -75,7 +78,9 @@ def largest_stress(model, cells, dt, steps, rows, start=FIRST):
     return largest
 
 
-def midpoints(model, cells, dt, steps, start=FIRST):
+def midpoints(
+    model, cells: Cells, dt: np.ndarray, steps: int, start: str = FIRST
+) -> Iterator[tuple[int, np.ndarray]]:
     """Follow up to LANES cells; yield the first step of each WINDOW, and w(L/2) from rest in it.
 
     dt: us, (cells,); steps: number for all cells
@@ -93,7 +98,7 @@ def midpoints(model, cells, dt, steps, start=FIRST):
         yield first, w[:, : dt.size]
 
 
-def stress_rows(model):
+def stress_rows(model) -> np.ndarray:
     """Tabulate the stress of each device's beam, MPa, (devices, PLACES + 1, modes + 2).
 
     The first PLACES rows are bending stress per coordinate, per contact force, and at rest; in the
@@ -108,7 +113,7 @@ def stress_rows(model):
     return tables
 
 
-def coefficients(model, target, start=FIRST):
+def coefficients(model, target: np.ndarray | float, start: str = FIRST) -> np.ndarray:
     """Tabulate what `kernel.lanes.load` takes of each device: (devices, coefficients).
 
     A row has numbers in the order of the kernel's rows, up to SIDE, then the vectors from KAPPA on,
@@ -149,7 +154,7 @@ def coefficients(model, target, start=FIRST):
     return np.concatenate(columns, axis=1)
 
 
-def in_lanes(follow, lengths, threads):
+def in_lanes(follow: Callable[[np.ndarray], None], lengths: np.ndarray, threads: int) -> None:
     """Call `follow` with indices of LANES cells at a time, in order of their lengths, (cells,)."""
     # Lanes run together until the longest ends: those of a call should be of equal length.
     order = np.argsort(lengths, kind="stable")
@@ -157,7 +162,7 @@ def in_lanes(follow, lengths, threads):
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
 
 
-def empty_lanes(model):
+def empty_lanes(model) -> tuple[np.ndarray, Shape, LaneLaws | None]:
     """Make the first arguments of kernels: an empty work array, a tuple of a length, and the laws.
 
     The length of the tuple tells kernels the number of modes.

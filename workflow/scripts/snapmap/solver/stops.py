@@ -3,10 +3,13 @@
 import numpy as np
 
 from ..numerics.kernels import inlined
+from .nodal import System
 
 
 @inlined
-def meet_stops(system, at, y_before, y, dt):
+def meet_stops(
+    system: System, at: tuple[float, float], y_before: float, y: float, dt: float
+) -> tuple[float, float, float, float]:
     """Correct y of the last two instants, if the mass is beyond a stop, as if it had bounced.
 
     at: as for `potential`, half a step back
@@ -25,7 +28,9 @@ def meet_stops(system, at, y_before, y, dt):
 
 
 @inlined
-def reflect(system, stop, at, middle, velocity):
+def reflect(
+    system: System, stop: float, at: tuple[float, float], middle: float, velocity: float
+) -> tuple[float, float]:
     """Return the place and velocity, after its reflection, of a mass that has passed a stop.
 
     middle, velocity: half a step back, before the stop; at: as for `potential`, then
@@ -43,7 +48,7 @@ def reflect(system, stop, at, middle, velocity):
 
 
 @inlined
-def potential(system, at, z):
+def potential(system: System, at: tuple[float, float], z: float) -> float:
     """Return the energy of the mass at z, pJ; at: w(L/2), whose contact counts, and the field a."""
     w_mid, a = at
     overlap = max(0.0, w_mid - z - system.gap)
@@ -51,7 +56,7 @@ def potential(system, at, z):
 
 
 @inlined
-def is_held(system, y_before, y, force):
+def is_held(system: System, y_before: float, y: float, force: float) -> bool:
     """Tell whether a mass that rests on a stop is pressed there, by its force without damping."""
     rests = y == y_before and (y == -system.stop_toward or y == system.stop_away)
     return rests and force * y >= 0.0

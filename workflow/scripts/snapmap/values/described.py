@@ -1,6 +1,7 @@
 """Records described in JSON Schema, for editors of YAML, and in docstrings, for help."""
 
 import inspect
+from typing import Any
 
 from .fields import hints, instead_of, rows, summary, taken
 
@@ -24,7 +25,7 @@ class Docstring:
         return "\n".join(lines) + heading + examples
 
 
-def described(made, core, handler):
+def described(made: type, core: Any, handler: Any) -> dict[str, Any]:
     """Describe a record to `schema`, with sentences and defaults as a config has them."""
     described = handler(core)
     whole = handler.resolve_ref_schema(described)

@@ -34,7 +34,7 @@ def beside(made: type, written: Mapping) -> dict[str, str]:
     return made.beside({key: value for key, value in written.items() if value is not None})
 
 
-def is_required(made, key):
+def is_required(made: type, key: str) -> bool:
     field = made.__dataclass_fields__[key]
     return field.default is MISSING and field.default_factory is MISSING
 
@@ -107,7 +107,7 @@ def rows(made: type) -> Iterator[Row]:
         yield Row(field.name, what, need_of(hint), _default(field.default, hint), needed)
 
 
-def instead_of(made):
+def instead_of(made: type) -> dict[str, list[dict]]:
     """Find, for each key that an empty section misses, what can stand in its place."""
     written = []
     for key, hint in hints(made).items():

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cache, partial
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
@@ -20,7 +20,7 @@ Made = TypeVar("Made")
 _fault = partial(PydanticCustomError, "fault", "{line}")
 
 
-def explained(made, source, handler):
+def explained(made: type, source: Any, handler: Any) -> Any:
     """Make the schema by which pydantic reads a section; each fault becomes a line of its own."""
 
     def explain(values, inner, info):
@@ -39,6 +39,9 @@ def explained(made, source, handler):
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
                     faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
+            own = vars(section)
+            written = {key: own.pop(key) for key in values if key in own}
+            own |= written  # behind those that are not written
             return section
         errors = [
             {"type": _fault({"line": line}), "loc": path, "input": None}

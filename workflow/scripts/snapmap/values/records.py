@@ -126,9 +126,10 @@ def assemble(made: type[Made], values: Mapping) -> Made:
 
 
 def told(whole: object) -> dict[str, Any]:
-    """Give the values of a record that differ from its defaults, by key."""
-    values = [(field.name, getattr(whole, field.name), field.default) for field in fields(whole)]
-    return {key: value for key, value, default in values if _differs(value, default)}
+    """Give the values of a record that differ from its defaults, by key, in the order written."""
+    defaults = {field.name: field.default for field in fields(whole)}
+    own = {key: value for key, value in vars(whole).items() if key in defaults}
+    return {key: value for key, value in own.items() if _differs(value, defaults[key])}
 
 
 def row_of_kinds(

@@ -6,11 +6,13 @@ import numpy as np
 
 from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
-from .laws import CONTACT, FORCE, begin_laws, drives
-from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, numbers, vectors
+from .laws import CONTACT, FORCE, LaneLaws, begin_laws, drives
+from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance
 
+Parts = tuple[float, float, float, float]
+"""Energies of beam, mass and contact, and w."""
 MARGIN = 2.0
 """Margin of a proof over the largest residual of the energy ledger so far."""
 ROUNDING = 1e-12
@@ -48,7 +50,7 @@ class Task(NamedTuple):
     """
 
     devices: np.ndarray
-    pulses: tuple[np.ndarray, np.ndarray, np.ndarray]
+    pulses: Pulses
     device: np.ndarray
     pulse: np.ndarray
     amplitude: np.ndarray
@@ -63,7 +65,16 @@ class Task(NamedTuple):
 
 
 @compiled
-def load(work, shape, laws, l, device, damping, amplitude, dt):
+def load(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    l: int,
+    device: np.ndarray,
+    damping: float,
+    amplitude: float,
+    dt: float,
+) -> None:
     """Put a cell at rest into lane l, in coordinates in which every mode has mass 1.
 
     The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
@@ -114,7 +125,9 @@ def load(work, shape, laws, l, device, damping, amplitude, dt):
 
 
 @inlined
-def begin(X, V, modes, l, laws, damping, dt):
+def begin(
+    X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None, damping: float, dt: float
+) -> None:
     """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
     for i in range(modes):
@@ -132,7 +145,16 @@ def begin(X, V, modes, l, laws, damping, dt):
 
 
 @inlined
-def check_lane(X, V, modes, l, laws, cell, state, task):
+def check_lane(
+    X: Rows,
+    V: Rows,
+    modes: int,
+    l: int,
+    laws: LaneLaws | None,
+    cell: int,
+    state: PulseState,
+    task: Task,
+) -> bool:
     """Return whether the run in lane l is over, after a block; if it is, write its facts."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
@@ -184,7 +206,7 @@ def check_lane(X, V, modes, l, laws, cell, state, task):
 
 
 @inlined
-def half_step_midpoint(V, modes, l):
+def half_step_midpoint(V: Rows, modes: int, l: int) -> float:
     """Return e.p at the last half step."""
     w = 0.0
     for i in range(modes):
@@ -194,7 +216,7 @@ def half_step_midpoint(V, modes, l):
 
 
 @inlined
-def energies(X, V, modes, l):
+def energies(X: Rows, V: Rows, modes: int, l: int) -> Parts:
     """Return the energies of beam, mass and contact, whose sum `advance` conserves, and w.
 
     They hold at the last half step, where products of two instants replace squares.
@@ -212,7 +234,7 @@ def energies(X, V, modes, l):
 
 
 @inlined
-def ledger(X, V, modes, l, drag):
+def ledger(X: Rows, V: Rows, modes: int, l: int, drag: float) -> tuple[float, ...]:
     """Return `energies`, and energy + losses - work of the pulse - energy at start; drag: C dt."""
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
@@ -221,7 +243,7 @@ def ledger(X, V, modes, l, drag):
 
 
 @inlined
-def proven_well(X, l, parts, margin):
+def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
     """Return the well that the beam can never leave without a shock, or 0 if that is open.
 
     Well 1 is that of the start, 2 the other. Energy only falls after the pulse. The beam cannot
@@ -242,7 +264,7 @@ def proven_well(X, l, parts, margin):
 
 
 @compiled
-def follow_all(work, shape, laws, task):
+def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
     widen_vectors()
     work[:] = 0.0

@@ -12,7 +12,7 @@ from numba.extending import intrinsic
 
 from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
-from .rows import LANES, numbers
+from .rows import LANES, Rows, numbers
 from .tables import CELLS, FINE
 
 CONTACT, FORCE = range(2)
@@ -60,7 +60,7 @@ def ask(context, function, array):
 
 
 @inlined
-def locate(X, l, law, x):
+def locate(X: Rows, l: int, law: int, x: float):
     """Set the place of x in cells from the left end of a table, and cells per um there.
 
     law: CONTACT or FORCE; x: up to the reach on either side
@@ -76,7 +76,7 @@ def locate(X, l, law, x):
 
 
 @inlined
-def fetch(X, l, law, tables):
+def fetch(X: Rows, l: int, law: int, tables: np.ndarray):
     """Fetch the cubic of the place of a lane; in a loop of its own, which is not vectorised."""
     place = X[R.PLACE + law, l]
     place = place if place > 0.0 else 0.0  # or NaN
@@ -87,7 +87,7 @@ def fetch(X, l, law, tables):
 
 
 @inlined
-def potential(X, l, law, x):
+def potential(X: Rows, l: int, law: int, x: float):
     """Return energy and slope of a law at x, times dt^2, by the cubic that was fetched.
 
     Beyond the reach the slope is constant.
@@ -101,7 +101,7 @@ def potential(X, l, law, x):
 
 
 @inlined
-def begin_laws(X, l, laws, damping, dt, w):
+def begin_laws(X: Rows, l: int, laws: LaneLaws, damping: float, dt: float, w: float):
     """Set the rows of laws in lane l; w: w(L/2) from rest, um."""
     X[R.C, l], X[R.DT, l] = damping, dt
     X[R.YIELDS, l] = X[R.COMPLIANCE, l] - X[R.B, l] / 2
@@ -113,7 +113,7 @@ def begin_laws(X, l, laws, damping, dt, w):
 
 
 @inlined
-def begin_law(X, l, law, tables, x):
+def begin_law(X: Rows, l: int, law: int, tables: np.ndarray, x: float):
     """Set energy and force of a law at x, and half the slope of the force."""
     h = SAME * X[R.REACH, l]
     X[R.GUESS + law, l], X[R.RISE + law, l] = x, 0.0
@@ -125,7 +125,7 @@ def begin_law(X, l, law, tables, x):
 
 
 @compiled
-def damp(work, laws):
+def damp(work: np.ndarray, laws: LaneLaws) -> None:
     """Set the damper of each lane to D / v of the law at the velocity v that is ahead.
 
     v = (3 d_y - d_y before) / 2 dt is right to second order, and the loss is positive in any case.
@@ -151,7 +151,7 @@ def damp(work, laws):
 
 
 @compiled
-def drives(laws, damping, speed, travel):
+def drives(laws: LaneLaws, damping: float, speed: float, travel: float):
     """Return whether a law of damping drives a mass within a speed, um/us, and a travel, um."""
     asked = np.zeros(5 * LANES)
     for i in range(SAMPLES):
@@ -167,7 +167,7 @@ def drives(laws, damping, speed, travel):
 
 
 @inlined
-def set_out(X, l, law, guess):
+def set_out(X: Rows, l: int, law: int, guess: float):
     """Keep what is known at the last half step, and guess x at the next one."""
     X[R.FROM + law, l] = X[R.GUESS + law, l] - X[R.MISS + law, l]
     X[R.ENERGY_BEFORE + law, l], X[R.PUSH_BEFORE + law, l] = (
@@ -179,7 +179,7 @@ def set_out(X, l, law, guess):
 
 
 @inlined
-def mean_force(X, l, law):
+def mean_force(X: Rows, l: int, law: int):
     """Return the mean of a law from the last half step to the guess of the next one.
 
     Sets energy and force there, and RISE, the slope of the mean, which is kept if little has moved.
@@ -197,14 +197,14 @@ def mean_force(X, l, law):
 
 
 @inlined
-def miss(X, l, law, error):
+def miss(X: Rows, l: int, law: int, error: float):
     """Set the energy at the next half step, whose x is the guess less an error."""
     X[R.ENERGY + law, l] = fma(-X[R.PUSH + law, l], error, X[R.ENERGY + law, l])
     X[R.MISS + law, l] = error
 
 
 @inlined
-def any_far(X):
+def any_far(X: Rows):
     """Return whether the guess of any lane is far from its root."""
     far = False
     for l in range(LANES):
@@ -213,7 +213,7 @@ def any_far(X):
 
 
 @compiled
-def touch_by_law(work, laws):
+def touch_by_law(work: np.ndarray, laws: LaneLaws):
     """Set P of all lanes, the mean of the law over the step, by the root of x + beta P(x) = F.
 
     Newton's method in a bracket: if P never falls, the root is at most g away from x, with
@@ -236,7 +236,7 @@ def touch_by_law(work, laws):
 
 
 @inlined
-def improve_overlaps(X):
+def improve_overlaps(X: Rows):
     """Improve the guesses of overlaps that are far from their roots."""
     for l in range(LANES):
         x, beta, reach, P = X[R.GUESS, l], X[R.BETA, l], X[R.REACH, l], mean_force(X, l, CONTACT)
@@ -253,7 +253,7 @@ def improve_overlaps(X):
 
 
 @compiled
-def hold_by_law(work, laws):
+def hold_by_law(work: np.ndarray, laws: LaneLaws):
     """Set P of all lanes, and R, the mean of the law of the force, which acts on the beam alone.
 
     Newton's method for overlap and midpoint, x + beta P + c R = F and w + c (P + R) = G, with the
@@ -283,7 +283,7 @@ def hold_by_law(work, laws):
 
 
 @inlined
-def improve_both(X, l, share):
+def improve_both(X: Rows, l: int, share: float):
     """Improve the guesses of overlap and midpoint of a lane by a share of Newton's step."""
     x, w, beta, c = X[R.GUESS, l], X[R.GUESS + FORCE, l], X[R.BETA, l], X[R.YIELDS, l]
     P, hold = mean_force(X, l, CONTACT), mean_force(X, l, FORCE)
@@ -304,7 +304,7 @@ def improve_both(X, l, share):
 
 
 @inlined
-def dissipate(X):
+def dissipate(X: Rows):
     """Take the loss of the dampers in this step, which the device's dampers would not have."""
     for l in range(LANES):
         X[R.LOST, l] = fma(X[R.DRAG, l] / 2, X[R.SWEPT, l], X[R.LOST, l])

@@ -9,6 +9,7 @@ from ...numerics.kernels import compiled, fma, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 
+Pulses = tuple[np.ndarray, np.ndarray, np.ndarray]
 BLOCK = 128
 """Steps in a block: lanes are checked after it, and pulses are tabulated for it."""
 
@@ -27,14 +28,16 @@ class PulseState(NamedTuple):
 
 
 @compiled
-def no_pulse():
+def no_pulse() -> PulseState:
     """Make the state of lanes without a pulse."""
     pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
     return PulseState(pulse, piece, steps, lasts)
 
 
 @compiled
-def begin_pulse(work, l, state, pulses, pulse, x_step):
+def begin_pulse(
+    work: np.ndarray, l: int, state: PulseState, pulses: Pulses, pulse: int, x_step: float
+) -> None:
     """Begin a pulse, by its number, in lane l; pulses: as in `Task`; x_step: f0 dt."""
     bounds, jumps = pulses[1:]
     state.pulse[l], state.piece[l], state.steps[l] = pulse, bounds[pulse] - 1, 0
@@ -43,7 +46,7 @@ def begin_pulse(work, l, state, pulses, pulse, x_step):
 
 
 @compiled
-def set_out(work, shocks, state, pulses):
+def set_out(work: np.ndarray, shocks: np.ndarray, state: PulseState, pulses: Pulses) -> None:
     """Set shocks, (BLOCK LANES,), to a dt^2 of each lane in each step of the next block."""
     pieces, bounds, jumps = pulses
     X, joined = numbers(work), 0
@@ -76,7 +79,9 @@ def set_out(work, shocks, state, pulses):
 
 
 @compiled
-def sample_lane(work, shocks, l, state, pulses):
+def sample_lane(
+    work: np.ndarray, shocks: np.ndarray, l: int, state: PulseState, pulses: Pulses
+) -> None:
     """Sample the pieces of lane l in a block; lines of a record have no joint but at their ends."""
     (pieces, bounds, jumps), X = pulses, numbers(work)
     pulse, k, step, a = state.pulse[l], state.piece[l], X[R.X_STEP, l], X[R.AMPLITUDE, l]
@@ -98,7 +103,7 @@ def sample_lane(work, shocks, l, state, pulses):
 
 
 @compiled
-def go_on(work, shocks):
+def go_on(work: np.ndarray, shocks: np.ndarray) -> None:
     """Tabulate each lane's piece in a block, from x = PULSE on, also beyond the end of the piece.
 
     A wave v of phase p per step follows v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).

@@ -5,12 +5,16 @@ numbers for each symbol. Time is counted in steps, and forces are times dt^2. Mo
 one as R: X[R.Y, l] is y of lane l, V[R.P, i, l] is component i of p, and V[R.S + i, j, l] is S_ij.
 """
 
+import numpy as np
 from numba import carray, int64, types
 from numba.extending import intrinsic
 
 from ...numerics.kernels import inlined
 
 LANES = 16
+Rows = np.ndarray
+Shape = tuple[int, ...]
+"""What says the number of modes by its length."""
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
 AXIAL, RESIDUAL, CONTACT, M, K, TARGET, BARRIER, BARRIER_APART, SADDLE = range(9)
@@ -47,7 +51,7 @@ def address(context, array, first):
 
 
 @inlined
-def numbers(work):
+def numbers(work: np.ndarray) -> Rows:
     """Return X, the rows of single numbers.
 
     The compiler vectorises over lanes only because it knows the sizes of X and V, and thus that no
@@ -57,7 +61,7 @@ def numbers(work):
 
 
 @inlined
-def vectors(work, modes):
+def vectors(work: np.ndarray, modes: int) -> Rows:
     """Return V, the rows of vectors.
 
     Functions that loop over modes get their number as an argument: from the shape of V the compiler
