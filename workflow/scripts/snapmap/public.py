@@ -20,7 +20,7 @@ from .study.study import Study
 from .values import calls
 
 OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow a user's own laws; `simulate` needs a motion, which solvers do not give."""
+"""Functions that follow the laws of `reference`, which is slow; a solver gives no motion."""
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
     **{
@@ -63,9 +63,12 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
         yield
         return
     laws = study.model.laws
-    names = OF_LAWS[1:] if laws and laws.solver else OF_LAWS
-    if laws and function.__name__ not in names:
-        raise ValueError(f"model.laws: work only with {', '.join(names)}; leave them out")
+    if laws and study.model.name == "reference":
+        names = OF_LAWS[1:] if laws.solver else OF_LAWS
+        if function.__name__ not in names:
+            remedy = "leave them out" if laws.solver else "write a model elements or cosines"
+            line = f"model.laws: of reference work only with {', '.join(names)}"
+            raise ValueError(f"{line}; {remedy}")
     for line in _doubts(study, values):
         warnings.warn(line, stacklevel=4)
     with counting(function.__name__):

@@ -26,8 +26,6 @@ from .views import View, choose_curves, choose_maps, frequency_of, read_places
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes; `duration` is f0 by another name."""
-OF_LAWS = ("histories",)
-"""Applications that can follow a model with a user's own laws."""
 DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
 """Axes that a design chooses."""
 
@@ -163,11 +161,21 @@ def load_config(document: Mapping) -> Config:
     for name, application in attached().items():
         arguments = getattr(parts, name, None), study, parts
         study.requests[name] = faults.catch((name,), application.request, *arguments)
-        laws = study.requests[name] and study.model.laws
-        if laws and (name not in OF_LAWS or laws.solver):
+        if study.requests[name] and not _follows_laws(name, study.model):
             faults.append(f"{name}: does not work with model.laws; leave one of them out")
     faults.refuse()
     return study
+
+
+def _follows_laws(name, chosen):
+    """Tell whether an application can follow a model, which may have a user's own laws.
+
+    The three laws are those of the device's own forces, and `reference` is too slow for most.
+    """
+    laws = chosen.laws
+    if not laws or laws.solver:
+        return not laws
+    return name == "histories" if chosen.name == "reference" else name != "laws"
 
 
 class _Faults(list):
