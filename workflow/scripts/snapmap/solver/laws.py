@@ -13,6 +13,7 @@ from typing_extensions import TypeAliasType
 from ..files.named import inside, naming, read_named, sha256_of
 from ..files.text import describe, show
 from ..values.kinds import Fitting, Kind, Number
+from ..values.quantities import Value
 
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
@@ -173,7 +174,7 @@ class LawsKind(Kind):
         return {"type": "string"}
 
 
-UserLaws = TypeAliasType("UserLaws", Annotated[str | Laws, LawsKind()])
+UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
 
 
 def _compiled(key, law):

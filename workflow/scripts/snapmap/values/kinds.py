@@ -59,7 +59,7 @@ class Kind:
 
     need: str
     """What is right, in words that follow "is not"."""
-    records: ClassVar[tuple] = ()
+    records: tuple = ()
     """Records of which a config has one."""
 
     @property

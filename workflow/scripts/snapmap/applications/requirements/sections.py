@@ -30,7 +30,7 @@ class SnapsKind(Kind):
     words: tuple[str, ...]
 
     @property
-    def need(self) -> str:
+    def need(self) -> str:  # type: ignore[override]
         """What is right, in words that follow "is not"."""
         return " or ".join([", ".join(["true", "false", *self.words[:-1]]), self.words[-1]])
 
@@ -50,7 +50,7 @@ class SurvivesKind(Kind):
 
     need = "true, false or a share such as 99.99 %"
 
-    def read(self, value: object) -> float:
+    def read(self, value: object) -> object:
         """Read the least probability with which the beam must not break; 0 if it may."""
         return SURVIVES * value if isinstance(value, bool) else kind_of(Share).read(value)
 
