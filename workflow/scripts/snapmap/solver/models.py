@@ -302,7 +302,7 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
             "device.contact: hard excludes the reference model; write a stiffness such as 40 N/m, "
             "or the model elements"
         )
-    if laws := chosen.laws:
+    if isinstance(chosen, Reference) and (laws := chosen.laws):
         for key, refused in {
             "model.elements:": laws.force and chosen.elements != Elements.elements,
             "device.stop_toward:": laws.contact and np.isfinite(device.stop_toward),

@@ -66,7 +66,7 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
         beam_damping=device.beam.damping,
         stop_toward=device.stop_toward,
         stop_away=device.stop_away,
-        restitution=device.restitution,
+        restitution=float(device.restitution),
         start=np.zeros(scaled.load.size) if start is None else start,
         side=1.0 if start is None else -1.0,
     )

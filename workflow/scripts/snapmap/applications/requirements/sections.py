@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typing_extensions import TypeAliasType
 
@@ -11,13 +11,16 @@ from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time,
 from ...config.views import frequency_of
 from ...files.text import describe, show
 from ...solver.settings import FIRST, STARTS
-from ...study.study import ANY, ARRIVES, Study
+from ...study.study import ANY, ARRIVES
 from ...values.faults import in_list
 from ...values.kinds import Kind, Word, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
 from ...values.reading import read_part
 from ...values.records import record
 from .required import Required, RequiredShock
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
@@ -173,7 +176,7 @@ class RequirementKind(Kind):
 
 
 def read_requirements(
-    sections: Sequence[Any], study: Study, pulse: PulseSection | None
+    sections: Sequence[Any], study: "Config", pulse: PulseSection | None
 ) -> list[Required]:
     """Take the requirements of a config; raises ValueError, one line, for an invalid one.
 

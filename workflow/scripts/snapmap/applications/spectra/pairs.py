@@ -60,7 +60,7 @@ class Points(Kind):
                     faults.append(f"[{place}][{inner}]: {error}")
         if faults:
             raise Faults(*few(faults))
-        pairs = np.reshape(points, (-1, 2))
+        pairs: np.ndarray = np.reshape(points, (-1, 2))
         if not ((pairs > 0).all() and _ascends(pairs)):
             raise ValueError(f"frequencies and levels are not {self.asks} above 0")
         return pairs
