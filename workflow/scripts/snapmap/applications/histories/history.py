@@ -3,7 +3,7 @@
 import math
 import warnings
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from ...pulse.pulse import blow_at
 from ...solver.adaptive import choose_model
 from ...solver.cells import Cells, Observations, to_cells
 from ...solver.cost import steps_and_seconds, tell
-from ...solver.models import Follows, Model
+from ...solver.models import Model
 from ...solver.options import section_of
 from ...solver.outcome import label
 from ...solver.settings import FIRST, Run
@@ -158,7 +158,7 @@ def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]
     return extremes._asdict() | added
 
 
-def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Follows, Cells, Observations]:
+def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
     horizon, pulses = study.run.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
