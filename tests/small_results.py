@@ -24,10 +24,10 @@ VARIABLES = variables("cube")
 ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
 
 
-def swept(device, modes=3, cosines=None, skip=False, **axes):
+def swept(device, modes=3, cosines=None, skip=False, run=SETTINGS, **axes):
     """A cube of a device, in three cosines."""
     model = Cosines(modes=modes, cosines=cosines)
-    study = snapmap.Study(device, model=model, run=SETTINGS, skip=skip)
+    study = snapmap.Study(device, model=model, run=run, skip=skip)
     axes = AXES | axes
     shock = {key: axes.pop(key) for key in AXES}
     return snapmap.sweep(study, **shock, axes=axes)

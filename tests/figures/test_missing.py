@@ -38,7 +38,7 @@ VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
 @pytest.fixture(scope="module")
 def made(handout):
     """A small result behind each figure, by the function that draws it."""
-    study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Run(100.0))
+    study = Study(handout, model={"name": "cosines", "modes": 3}, run=Run(100.0))
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
     made = flat.tolerance(
         handout,
@@ -47,7 +47,7 @@ def made(handout):
         [25.0],
         samples=4,
         index_samples=4,
-        requirements=[REQUIRED],
+        requirements=[REQUIRED | {"survives": True}],
         **SHORT,
     )
     edges = flat.threshold(handout, **axes, **MODEL)

@@ -34,7 +34,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     )
     required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
-    moved = extremes_of(replace(study, shocks=shocks), 500.0, 1000.0, 25.0)
+    moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
     verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
     closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
     row = closing | verdict._asdict() | moved._asdict() | survival._asdict()
@@ -96,6 +96,7 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
         rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
     source = {
         "pulse": {"direction": "both"},
+        "run": {"until": "snap"},
         "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
         "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
     }
@@ -114,6 +115,7 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
     assert config_hash(source) != config_hash(source | {"title": "another"})
     for name, value in {
         "pulse: direction": "both",
+        "run: until": "snap",
         "sweep: C": "25 uN*us/um, 200 uN*us/um",
         "sweep: N": "from 500, points 3",
         "devices as made: thickness": "0.05 um, standard deviation",

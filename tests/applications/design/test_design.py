@@ -122,3 +122,13 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
         needs = [asked | more]
         with pytest.raises(ValueError, match=f"requirements: drop: {fault}"):
             flat.design(handout, "thickness", requirements=needs, **study, **THICKNESS)
+
+
+WRONG = {"pusle": "half sine", "pulse": "haf sine", "direction": "up", "survives": 2}
+
+
+@pytest.mark.parametrize("key", WRONG)
+def test_a_wrong_key_or_value_of_a_requirement_is_named(handout, key):
+    needs = [require("trip", 1100.0, True), require("stay", 1300.0, False) | {key: WRONG[key]}]
+    with pytest.raises(ValueError, match=rf"^requirements\[1\]\.{key}: "):
+        flat.design(handout, "thickness", requirements=needs, **THICKNESS)

@@ -102,7 +102,7 @@ def integrated(device, N, f0, C):
 
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
-    study = Study(device=device, model=MODEL, settings=Run(horizon=HORIZON))
+    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
     seen, expected = observed_of(study, N, f0, 25.0), integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key
@@ -114,13 +114,16 @@ def test_closures_are_those_of_the_handouts_equations(device, N, f0):
 
 def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
+    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
     bare = replace(device, contact_at=-np.inf)
     cube, other = (flat.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
     alone = flat.sweep(device, [1000], **asked)
     run = flat.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
     for key in CLOSING:
         assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
-    assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(device, [700], **asked)} == {*other}
+    assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(study, 700, [1500.0], [25.0])} == {
+        *other
+    }
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
     assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
     fallen = run.isel(time=slice(0, int(run.w_mid.values.argmin()) + 1))
@@ -146,7 +149,7 @@ def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
         assert hold(at) == pytest.approx(slope * (-beam.rise / 3 - at), rel=1e-7)
     assert hold(beam.second_equilibrium) == pytest.approx(0, abs=1e-3)
     assert hold(0.0) == hold(-9.6) == 0
-    with pytest.raises(ValueError, match=r"device\.contact_at: 12 um is not below the midpoint"):
+    with pytest.raises(ValueError, match=r"^contact_at: 12 um is not below the midpoint"):
         hold(12.0)
 
 

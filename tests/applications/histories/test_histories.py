@@ -49,7 +49,7 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
     short, long = (flat.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
-    study = Study(device=device, model=model, settings=Run(horizon=1500.0))
+    study = Study(device, model=model, run=Run(horizon=1500.0))
     extremes = extremes_of(study, *shot)._asdict()
     assert extremes == {key: long[key].item() for key in extremes}
     assert all(short[key] <= long[key] for key in extremes)

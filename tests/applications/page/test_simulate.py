@@ -48,7 +48,7 @@ def follow_both(tab, study, axes, start=FIRST):
 
     Twice: also of shocks that are stronger by NUDGE.
     """
-    grid, settings = study.set_out(axes), Run(until="moved", start=start)
+    grid, settings = study.set_out(axes), Run(start=start).but(until="moved")
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, HORIZON).flat()
     columns = {"device": cells.device, "pulse": cells.pulse, "f0": cells.f0}

@@ -34,7 +34,7 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device=device, model=model, settings=Run(horizon=HORIZON))
+    return Study(device, model=model, run=Run(horizon=HORIZON))
 
 
 def judged(study, *levels, f0=F0, snaps=True):

@@ -36,7 +36,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(device=handout, settings=study.run), asked, [25.0])
+    verdicts = check(Study(handout, run=study.run), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
     assert [verdict.verdict for verdict in verdicts] == expected
     for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
@@ -129,7 +129,7 @@ def test_the_worst_corner_is_in_front():
 def document(root):
     """The handout's config by three cosines, to 300 us after a shock."""
     document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    document["sweep"]["horizon"] = "300 us"
+    document["run"]["horizon"] = "300 us"
     return document | {"model": {"name": "cosines", "modes": 3}}
 
 

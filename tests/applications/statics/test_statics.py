@@ -214,7 +214,7 @@ def test_a_beam_without_its_second_mode_follows_the_closed_form_beyond_the_third
     device = varied(handout, thickness=handout.beam.rise / Q, residual_stress=stress)
     found, beam = snapmap.statics(device), device.beam
     path, top = found.sel(branch="unbranched"), found.force.max().item()
-    ways = 1 + (path.displacement.values - found.rise) / beam.rise
+    ways = 1 + (path.displacement.values - found.rise.item()) / beam.rise
     points = np.stack([ways, path.force.values / top])
     assert np.count_nonzero(abs(points[1]) < 1e-9) <= 1
     for n in np.pi * np.array([3.0, 3.9, 4.6, 5.7, 6.2, 7.1, 8.4, 8.8]):

@@ -29,6 +29,7 @@ from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
+from snapmap.solver.options import Auto
 from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
@@ -132,7 +133,7 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
     rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Run())
+    choices = batches.choose_levels(handout, Auto(), rows, Run())
     assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
     assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
@@ -163,7 +164,7 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 @pytest.fixture(scope="module")
 def scattered(handout):
     """Devices of which some have no second shape, and a shock that about half of them withstand."""
-    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True, "shocks": make_shocks()}
+    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True}
     how = {"samples": 128, "requirements": [drop]} | CHEAP
     scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
     f0 = [800.0, 1500.0, 3000.0]
@@ -190,10 +191,9 @@ def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
     monkeypatch.setattr(batches, "FEWEST", 10)
     monkeypatch.setattr(batches, "FOLLOWED", 0)
-    shocks = make_shocks("half sine", "+z")
     asked = [
-        {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": "arrives"},
-        {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
+        {"name": "trips", "pulse": "half sine", "N": 1000.0, "f0": 2000.0, "snaps": "arrives"},
+        {"name": "rests", "pulse": "half sine", "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
     brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
     made = flat.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
@@ -314,3 +314,10 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}
+
+
+def test_values_of_a_config_scatter_in_the_order_in_which_they_are_written():
+    """Each draws by its place, so that another order would be other devices."""
+    names = ["N", "thickness", "rise", "span"]
+    document = yaml.safe_load(TINY) | {"tolerances": dict.fromkeys(names, "1 %")}
+    assert [*load_config(document).requests["tolerances"].scatters] == names

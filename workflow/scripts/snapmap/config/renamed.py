@@ -1,6 +1,7 @@
 """Keys and values of version 0.3, as those of today."""
 
 import copy
+import json
 from collections.abc import Mapping
 
 from ..files.text import describe
@@ -43,6 +44,11 @@ def renew(document: Mapping) -> tuple[dict, list[str]]:
         devices[name] = copy.deepcopy(devices[name])  # which YAML's aliases may share
         lines += _move(devices[name], f"devices.{name}.", OF_DEVICE)
     return document, lines + _without_percent(document.get("model"))
+
+
+def config_of(attributes: Mapping[str, str]) -> dict:
+    """Give the config in the attributes of a dataset, with the keys of today; empty without one."""
+    return renew(json.loads(attributes.get("config", "{}")))[0]
 
 
 def _without_percent(model):

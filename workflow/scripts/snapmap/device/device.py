@@ -93,7 +93,8 @@ class Device:
     damper_exponent: Exponent = 0.0
     """power of the absolute temperature with which C grows"""
     strength: Strength = math.inf
-    """stress at which the beam breaks, or, with a modulus, 63 % of beams; never if left out"""
+    """stress at which the beam breaks; with a modulus, excess over the threshold at which 63 % of
+    beams break; never if left out"""
     strength_modulus: WeibullModulus = math.inf
     """Weibull modulus of the strength; a larger one scatters less; no scatter if left out"""
     strength_threshold: LeastStrength = 0.0

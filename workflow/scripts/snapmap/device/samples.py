@@ -8,6 +8,7 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.text import show
+from ..values.faults import at_key
 from ..values.kinds import Fitting, Kind, Whole
 from ..values.units import is_plain, plain_numbers, unit_of
 from .device import FROM_ZERO, KINDS, OF_MASS, SIGNED, VALUES, Device
@@ -52,10 +53,8 @@ def _take_width(key, width):
         return {kind: _take_width(key, inner) for kind, inner in width.items()}
     has_unit = isinstance(width, str) and not width.strip().endswith("%") and not is_plain(width)
     if key in KINDS and (has_unit or unit_of(width)):
-        try:
+        with at_key(key):
             return KINDS[key].take(width)
-        except ValueError as error:
-            raise ValueError(f".{key}: {error}") from None
     number = None if isinstance(width, str) else plain_numbers(width)
     return width if number is None or number.ndim else number.item()
 

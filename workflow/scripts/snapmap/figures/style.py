@@ -1,6 +1,5 @@
 """The style of all figures for print: sheet, sizes, legends, words, and how they are saved."""
 
-import json
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
@@ -21,6 +20,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
+from ..config.renamed import config_of
 from ..files.atomic import replacing
 from ..files.text import plain
 from ..pulse.pulse import NEAR_G, VERSED_SINE, G
@@ -209,7 +209,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     """Write pulse, guide, start, model and horizon of a dataset, in lines of `width` signs."""
     if "config" not in attributes:
         return ""
-    config = json.loads(attributes["config"])
+    config = config_of(attributes)
     pulse = config.get("pulse", {})
     made = next((key for key in MAKERS if key in pulse), VERSED_SINE)
     shape = pulse.get("file", pulse.get("shape", made))
@@ -252,7 +252,7 @@ def guides(config: Mapping) -> list[str]:
 
 def multiples(attributes: Mapping[str, str]) -> str:
     """Say what N counts by a dataset's attributes: g, gravity, or a force on the midpoint."""
-    devices = _devices(json.loads(attributes.get("config", "{}")))
+    devices = _devices(config_of(attributes))
     forces = {device["force"] for device in devices if "force" in device}
     if not forces:
         gravity = devices[0].get("gravity", "") if devices else ""

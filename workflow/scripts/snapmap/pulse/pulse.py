@@ -11,10 +11,10 @@ from typing_extensions import TypeAliasType
 from ..files.tables import require_rising
 from ..files.text import show
 from ..numerics.portable import sines
-from ..values.kinds import Quantity, Single, Word
+from ..values.kinds import Number, Quantity, Single, Word
 from ..values.quantities import Share
 from ..values.records import record
-from ..values.units import numbers_in
+from ..values.units import numbers_in, unit_of
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
@@ -22,8 +22,18 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 
 
 _ANY = "(-inf, inf)"
+
+
+class SeriesKind(Quantity):
+    """Numbers in any unit."""
+
+    def take(self, value: object) -> Number:
+        """Convert numbers, which stay in their unit."""
+        return Quantity(self.noun, unit_of(value) or "", interval=self.interval).take(value)
+
+
 Series = TypeAliasType(
-    "Series", Annotated[Sequence[float] | np.ndarray, Quantity("a plain number", interval=_ANY)]
+    "Series", Annotated[Sequence[float] | np.ndarray, SeriesKind("a plain number", interval=_ANY)]
 )
 Times = TypeAliasType(
     "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
@@ -122,6 +132,20 @@ class Pulse:
             raise ValueError(f"pulse: duration {error}, or None") from None
         object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
+
+    def __eq__(self, other):
+        """Compare by value."""
+        return isinstance(other, Pulse) and self._key == other._key
+
+    def __hash__(self):
+        """Hash by value."""
+        return hash(self._key)
+
+    @property
+    def _key(self):
+        told = self.duration, self.notes, self.swing, self.strongest
+        arrays = self.pieces.tobytes(), self.blows.tobytes()
+        return self.name, *told, *arrays, repr(self.peak), repr(self.section)
 
     def __repr__(self):
         """Write the name, as signatures show a pulse as a default."""

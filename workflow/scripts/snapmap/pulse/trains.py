@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.text import show
-from ..values.faults import in_list
+from ..values.faults import at_key
 from ..values.kinds import Fitting, Single, Whole
 from ..values.quantities import Height, PulseTime
 from ..values.records import build, record, told
@@ -100,10 +100,8 @@ def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
         raise ValueError(f".train: {show(items)} is not a list of blows, waits and repeats")
     parts, section = [], []
     for place, item in enumerate(items):
-        try:
+        with at_key("train", place):
             item = _of(Blow, item)
-        except ValueError as error:
-            raise ValueError(f".train{in_list(place, str(error))}") from None
         section.append(told(item))
         if item.repeat is None:
             parts.append(_blow(item, item.N) if item.wait is None else _flat(item.wait, 0.0))
@@ -130,10 +128,8 @@ def make_drop(drop: Drop | Mapping) -> Pulse:
     A blow at velocity v changes it by (1 + rebound) v, from which its peak follows.
     Raises ValueError, one line, for another mapping or a blow below 1 g.
     """
-    try:
+    with at_key("drop"):
         drop = _of(Drop, drop)
-    except ValueError as error:
-        raise ValueError(f".drop{'' if str(error).startswith('.') else ': '}{error}") from None
     rebound, velocity = drop.rebound, math.sqrt(2 * G * drop.height)
     peak = (1 + rebound) * velocity / _blow(drop).area
     if peak < G:

@@ -1,6 +1,7 @@
 """A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
 
 import inspect
+import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from ..files.text import describe, show
 from ..values.kinds import Fitting, Kind, Number
 from ..values.quantities import Value
 
+logger = logging.getLogger("snapmap")
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
@@ -149,16 +151,18 @@ def load_laws(path: str, sha256: str = "") -> Laws:
 class LawsKind(Kind):
     """Laws: what `compile_laws` makes, or the path of a Python file that has them."""
 
-    need = "the path of a Python file with laws, or what snapmap.reference makes"
+    need = "the path of a Python file with laws, or functions by name"
     asks = "the path of a Python file in the study's folder"
 
     def take(self, value: object) -> Laws:
         """Take laws, or read a file."""
-        if not isinstance(value, str | Laws):
+        if not isinstance(value, str | Laws | Mapping):
             raise ValueError(f"{show(value)} is not {self.need}")
         if isinstance(value, Laws):
             return value
         try:
+            if isinstance(value, Mapping) and value.keys() <= PARAMETERS.keys():
+                return compile_laws(value)
             return load_laws(value, sha256_of(value, *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
@@ -175,6 +179,12 @@ class LawsKind(Kind):
 
 
 UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
+
+
+@cache
+def announce(what: str, laws: object, seconds: int) -> None:
+    """Say once that numba begins to compile a user's functions, and how long that takes."""
+    logger.warning("compiling your %s: once in each process, about %d s", what, seconds)
 
 
 def _compiled(key, law):

@@ -19,8 +19,10 @@ from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_mod
 from ..device.device import Device
 from ..files.counting import count
 from ..values.kinds import Number
+from ..values.records import told
 from .cells import Cells, Observations, no_observations
-from .laws import Laws, well_of
+from .law_tables import Tables, tabulate, well_as_mode
+from .laws import Laws, announce, well_of
 from .options import Chosen, Cosines, Elements, Reference
 from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
@@ -64,7 +66,7 @@ class Model:
     basis, modal: matrices of the beam, and their reduced form
     barrier: between the two shapes of the reduced form
     steps: rule of the time steps
-    laws: of a user, in place of some forces; for `reference` alone
+    laws: of a user, in place of some forces; tables: of these, but for `reference`
     """
 
     name: str
@@ -74,6 +76,7 @@ class Model:
     barrier: Barrier
     steps: Steps
     laws: Laws | None = None
+    tables: Tables | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -111,7 +114,10 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        loop = "external" if self.laws and self.laws.solver else loop
+        if self.laws and self.laws.solver:
+            loop = "external"
+        elif self.laws and loop == "plain_loop":
+            announce("laws", self.laws, 10)
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -129,7 +135,9 @@ class Model:
         modal = ModalBeam(*(np.asarray(column)[which] for column in self.modal))
         barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
         device, steps = self.device.pick(which), self.steps.pick(which)
-        return replace(self, device=device, modal=modal, barrier=barrier, steps=steps)
+        tables = self.tables and self.tables.pick(which)
+        parts = {"modal": modal, "barrier": barrier, "steps": steps, "tables": tables}
+        return replace(self, device=device, **parts)
 
     def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
@@ -290,9 +298,14 @@ def _build(device, chosen, is_free):
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
         modal = modal._replace(residual=0.0 * modal.residual)
+        if name != "reference":
+            modal = well_as_mode(modal, force, second)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    return Model(name, device, basis, modal, barrier, steps, laws)
+    if force and name != "reference":
+        steps = steps.of_one_mode()
+    tables = tabulate(laws, device, modal) if laws and name != "reference" else None
+    return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 
 def require_fitting(device: Device, chosen: Chosen) -> None:
@@ -302,11 +315,15 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
             "device.contact: hard excludes the reference model; write a stiffness such as 40 N/m, "
             "or the model elements"
         )
-    if isinstance(chosen, Reference) and (laws := chosen.laws):
+    if laws := chosen.laws:
+        sizes, kernel = {*told(chosen)} - {"laws", "name"}, chosen.name != "reference"
+        law_meets_stops = laws.contact or (laws.force and kernel)
         for key, refused in {
-            "model.elements:": laws.force and chosen.elements != Elements.elements,
-            "device.stop_toward:": laws.contact and np.isfinite(device.stop_toward),
-            "device.stop_away:": laws.contact and np.isfinite(device.stop_away),
+            "model.laws: solver": laws.solver and kernel,
+            f"model.{min(sizes, default='')}:": laws.force and sizes,
+            "device.contact: hard": (laws.contact or laws.force) and np.isinf(device.contact),
+            "device.stop_toward:": law_meets_stops and np.isfinite(device.stop_toward),
+            "device.stop_away:": law_meets_stops and np.isfinite(device.stop_away),
             "device.contact_at:": device.has_electrode,
             "device.strength:": np.isfinite(device.strength),
             "device.mass: none": device.is_alone,

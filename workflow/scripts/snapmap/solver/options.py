@@ -51,10 +51,10 @@ class Cosines:
     """number of modes; all if left out"""
     cosines: Count | None = None
     """number of symmetric cosines; as many as `modes`, else 5, if left out"""
+    laws: UserLaws | None = None
+    """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["cosines"] = "cosines"
     """the model"""
-
-    laws = None
 
 
 @record
@@ -71,10 +71,10 @@ class Elements:
     """number of elements on the half beam"""
     modes: Modes | None = None
     """number of modes; all if left out, with hard contact three quarters"""
+    laws: UserLaws | None = None
+    """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["elements"] = "elements"
     """the model"""
-
-    laws = None
 
 
 @record
@@ -90,7 +90,7 @@ class Reference:
     elements: Count = 5
     """number of elements on the half beam"""
     laws: UserLaws | None = None
-    """a Python file with laws in place of the device's own forces"""
+    """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["reference"] = "reference"
     """the model"""
 

@@ -13,9 +13,11 @@ from ..pulse.pulse import table
 from .cells import Cells, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
+from .kernel.laws import CONTACT, FORCE, LaneLaws
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
 from .kernel.rows import LANES, Shape
 from .kernel.trace import follow_stress, keep_midpoints
+from .lane_laws import lane_laws, raise_error
 from .settings import FIRST, SECOND, Run
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
@@ -46,7 +48,9 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         tolerance=settings.energy_tolerance,
         facts=facts,
     )
-    follow_all(*empty_lanes(model), task)
+    lanes = empty_lanes(model)
+    follow_all(*lanes, task)
+    raise_error(model.laws, lanes[2])
     return facts
 
 
@@ -68,7 +72,9 @@ def largest_stress(
     rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
     loads = *cells[1:5], steps
-    follow_stress(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, largest)
+    lanes = empty_lanes(model)
+    follow_stress(*lanes, devices, dt, table(cells.pulses), loads, rows, largest)
+    raise_error(model.laws, lanes[2])
     return largest
 
 
@@ -88,6 +94,7 @@ def midpoints(
     for first in range(0, steps, WINDOW):
         w = np.empty((min(WINDOW, steps - first), LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
+        raise_error(model.laws, lanes[2])
         yield first, w[:, : dt.size]
 
 
@@ -114,7 +121,7 @@ def coefficients(model, target: np.ndarray | float, start: str = FIRST) -> np.nd
     model: a `Model`; start: as in `Run`; target: as `Model.snap_target`, or -inf for no snap
     """
     device, modal, barrier = model.device, model.modal, model.barrier
-    side, n, k = SIDE[start], len(device), model.modes
+    side, n, k, tables = SIDE[start], len(device), model.modes, model.tables
     numbers = {
         R.AXIAL: modal.axial,
         R.RESIDUAL: modal.residual,
@@ -123,14 +130,23 @@ def coefficients(model, target: np.ndarray | float, start: str = FIRST) -> np.nd
         R.K: device.spring,
         R.TARGET: target,
         R.BARRIER: barrier.energy,
+        R.BARRIER_APART: barrier.energy,
         R.SADDLE: side * barrier.midpoint,
         R.Z0: device.gap,
         R.ALPHA: device.beam.damping,
         R.STOP_TOWARD: device.stop_toward,
         R.STOP_AWAY: device.stop_away,
         R.RESTITUTION: device.restitution,
+        R.TABLE + CONTACT: 0,
+        R.TABLE + FORCE: 0,
+        R.REACH: 0,
         R.SIDE: side,
     }
+    if tables:
+        numbers[R.TABLE + CONTACT], numbers[R.TABLE + FORCE] = tables.contact, tables.force
+        numbers[R.REACH] = tables.reach
+        numbers[R.BARRIER] = np.where(tables.bounded, barrier.energy, -np.inf)
+        numbers[R.BARRIER_APART] = np.where(tables.bounded & tables.apart, barrier.energy, -np.inf)
     vectors = modal.stiffness, modal.slope_start, modal.load, modal.midpoint  # KAPPA, SQ0, F, E
     columns = [np.broadcast_to(numbers[row], n)[:, np.newaxis] for row in sorted(numbers)]
     columns += [np.reshape(vector, (n, k)) for vector in vectors]
@@ -146,9 +162,12 @@ def in_lanes(follow: Callable[[np.ndarray], None], lengths: np.ndarray, threads:
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
 
 
-def empty_lanes(model) -> tuple[np.ndarray, Shape]:
-    """Make an empty work array, and the tuple whose length tells kernels the number of modes."""
+def empty_lanes(model) -> tuple[np.ndarray, Shape, LaneLaws | None]:
+    """Make the first arguments of kernels: an empty work array, a tuple of a length, and the laws.
+
+    The length of the tuple tells kernels the number of modes.
+    """
     padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
-    return X, (0,) * model.modes
+    return X, (0,) * model.modes, lane_laws(model.laws, model.tables)

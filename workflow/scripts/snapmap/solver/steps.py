@@ -34,6 +34,8 @@ LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
 LONGEST_PRESSED = 2.5
 """Longest step for SNAP and EDGE if the mass is pressed on the beam, so that it cannot strike with
 a run-up, and its spring does not hold it back."""
+PRESSED_BY_LAW = 1.0
+"""LONGEST_PRESSED of a beam of one mode under a law, which is found by iteration in each step."""
 MOST, MOST_ALONE = 1100.0, 20_000.0
 """Most steps in each swing of a smooth pulse for SNAP and EDGE, as the beam follows a slow pulse
 from rest to rest. MOST_ALONE is for a beam that snaps without the mass."""
@@ -103,6 +105,12 @@ class Steps:
     def times(self, factor: float) -> "Steps":
         """Return the rule with every step multiplied by `factor`, or by MORE for short pulses."""
         return replace(self, factor=factor * self.factor)
+
+    def of_one_mode(self) -> "Steps":
+        """Return the rule for a beam of one mode under a law: no faster mode asks for less."""
+        pressed = np.minimum(self.pressed, PRESSED_BY_LAW / self.arch)
+        shortest = self.longest[EDGE]
+        return replace(self, shortest=shortest, pressed=pressed, most=np.inf * self.most)
 
     def pick(self, which: int | np.ndarray) -> "Steps":
         """Return the rule of a device of the batch, or of several."""

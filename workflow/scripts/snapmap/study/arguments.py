@@ -9,9 +9,11 @@ from typing_extensions import TypeAliasType
 
 from ..device.device import VALUES, Device
 from ..files.text import show
+from ..pulse.shocks import Directions, Pulses
 from ..solver.settings import STARTS
-from ..values.kinds import Kind, Quantity, Several, Word, kind_of
-from ..values.quantities import Frequency, Positive
+from ..values.faults import at_key
+from ..values.kinds import Fitting, Kind, Quantity, Several, Word, kind_of
+from ..values.quantities import Frequency, Positive, Truth
 from .axes import KIND_OF
 from .study import ANY, ARRIVES, DevicesKind, Study
 
@@ -56,14 +58,12 @@ class AxesKind(Kind):
             raise ValueError(f"{show(value)} is not {self.need}")
         axes = {}
         for key, row in value.items():
-            if key not in VALUES:
-                near = get_close_matches(str(key), VALUES, 1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                raise ValueError(f".{key}: is not a value of the device that can vary{hint}")
-            try:
+            with at_key(key):
+                if key not in VALUES:
+                    near = get_close_matches(str(key), VALUES, 1)
+                    hint = f"; did you mean {near[0]}?" if near else ""
+                    raise ValueError(f"is not a value of the device that can vary{hint}")
                 axes[key] = Several(KIND_OF[key]).take(row)
-            except ValueError as error:
-                raise ValueError(f".{key}: {error}") from None
         return axes
 
 
@@ -75,6 +75,33 @@ def pair_of(key: str, ends: object) -> tuple[float, float]:
     return tuple(row.tolist())
 
 
+def _take_name(value):
+    if not isinstance(value, str):
+        raise ValueError(f"{show(value)} is not text")
+    return value
+
+
+def _take_snaps(value):
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if not isinstance(value, str) or value not in (ANY, ARRIVES):
+        raise ValueError(f'{show(value)} is not True, False, "arrives" or "any"')
+    return value
+
+
+OF_REQUIREMENT = {
+    "name": Fitting("text", _take_name),
+    "N": kind_of(Positive),
+    "f0": kind_of(Frequency),
+    "snaps": Fitting("True, False, arrives or any", _take_snaps),
+    "pulse": kind_of(Pulses),
+    "direction": kind_of(Directions),
+    "start": Word(STARTS),
+    "survives": kind_of(Truth),
+}
+"""Kind of each value of a requirement."""
+
+
 class RequirementsKind(Kind):
     """Required shocks, as mappings."""
 
@@ -84,26 +111,24 @@ class RequirementsKind(Kind):
         """Convert N, f0 and the words of each mapping."""
         if not isinstance(value, list | tuple):
             raise ValueError(f"{show(value)} is not {self.need}")
-        return [self._one(place, item) for place, item in enumerate(value)]
+        taken = []
+        for place, item in enumerate(value):
+            with at_key(place):
+                taken.append(self._one(item))
+        return taken
 
-    def _one(self, place, item):
+    def _one(self, item):
         if not isinstance(item, Mapping) or not {"name", "N", "f0", "snaps"} <= item.keys():
-            raise ValueError(f"[{place}]: {show(item)} is not {self.need}")
-        item, name = dict(item), item["name"]
-        if not isinstance(name, str):
-            raise ValueError(f"[{place}].name: {show(name)} is not text")
-        kinds = {"N": kind_of(Positive), "f0": kind_of(Frequency), "start": Word(STARTS)}
-        for key in kinds.keys() & item.keys():
-            try:
-                item[key] = kinds[key].take(item[key])
-            except ValueError as error:
-                raise ValueError(f"[{place}].{key}: {error}") from None
-        snaps = item["snaps"]
-        if not isinstance(snaps, bool | np.bool_) and snaps not in (ANY, ARRIVES):
-            raise ValueError(
-                f'[{place}].snaps: {show(snaps)} is not True, False, "arrives" or "any"'
-            )
-        return item | {"snaps": snaps if isinstance(snaps, str) else bool(snaps)}
+            raise ValueError(f"{show(item)} is not {self.need}")
+        for key in item:
+            if key not in OF_REQUIREMENT:
+                raise ValueError(f".{key}: unknown key; known are {', '.join(OF_REQUIREMENT)}")
+        taken = {}
+        for key, kind in OF_REQUIREMENT.items():
+            if key in item:
+                with at_key(key):
+                    taken[key] = kind.take(item[key])
+        return taken
 
 
 AnyStudy = TypeAliasType("AnyStudy", Annotated[Study | Device | Mapping[str, Device], StudyKind()])

@@ -2,11 +2,12 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, get_args
 
 from .faults import Faults, line_at
+from .fields import taken
 from .kinds import kind_of
 
 
@@ -23,7 +24,9 @@ def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable)
 
     @functools.wraps(function)
     def call(*positional: Any, **named: Any) -> Any:
-        values = _by_name(function.__name__, parameters, elsewhere, positional, named)
+        values, faults = by_name(function.__name__, parameters, positional, named, elsewhere)
+        if faults:
+            raise TypeError("\n".join(faults))
         faults = []
         for key, value in values.items():
             optional = type(None) in get_args(parameters[key].annotation)
@@ -40,14 +43,20 @@ def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable)
     return call
 
 
-def _by_name(function, parameters, elsewhere, positional, named):
-    """Give the arguments of a call by name; TypeError for missing ones, and for too many."""
+def by_name(
+    function: str,
+    parameters: Mapping[str, inspect.Parameter],
+    positional: Sequence,
+    named: Mapping[str, Any],
+    elsewhere: Mapping[str, str],
+) -> tuple[dict[str, Any], list[str]]:
+    """Give the arguments of a call by name, and lines on those that are missing or too many."""
     first = [key for key, part in parameters.items() if part.kind is not part.KEYWORD_ONLY]
+    faults = []
     if len(positional) > len(first):
-        more = f"takes {len(first)} arguments without a name, not {len(positional)}"
-        raise TypeError(f"{function}: {more}")
+        faults = [f"{function}: takes {len(first)} arguments without a name, not {len(positional)}"]
     values = dict(zip(first, positional, strict=False))
-    faults = [f"{key}: comes twice; write it once" for key in values if key in named]
+    faults += [f"{key}: comes twice; write it once" for key in values if key in named]
     for key in named:
         if key not in parameters:
             near = get_close_matches(key, [*parameters, *elsewhere], 3, 0.8)
@@ -56,7 +65,5 @@ def _by_name(function, parameters, elsewhere, positional, named):
             faults.append(f"{key}: is not an argument{elsewhere.get(key, hint)}")
     for key, part in parameters.items():
         if part.default is part.empty and key not in values and key not in named:
-            faults.append(f"{key}: missing; write {kind_of(part.annotation).need}")
-    if faults:
-        raise TypeError("\n".join(faults))
-    return values | named
+            faults.append(f"{key}: missing; write {taken(part.annotation)}")
+    return values | named, faults

@@ -3,8 +3,7 @@
 import inspect
 from typing import Any
 
-from .fields import hints, instead_of, need_of, record_in, rows, summary
-from .kinds import kind_of
+from .fields import hints, instead_of, rows, summary, taken
 
 
 class Docstring:
@@ -22,14 +21,8 @@ class Docstring:
         lines = [text, "", "Parameters", "----------"]
         for key, what, _, default, _ in rows(made):
             said = "" if default is None else f", default {default}"
-            lines += [f"{key} : {_taken(hints(made)[key])}{said}", f"    {what}"]
+            lines += [f"{key} : {taken(hints(made)[key])}{said}", f"    {what}"]
         return "\n".join(lines) + heading + examples
-
-
-def _taken(hint):
-    """Say what Python takes for an annotation."""
-    kind, holder = kind_of(hint), record_in(hint)
-    return kind.need if kind else holder.__name__ if holder else need_of(hint)
 
 
 def described(made: type, core: Any, handler: Any) -> dict[str, Any]:

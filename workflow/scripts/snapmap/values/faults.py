@@ -1,7 +1,8 @@
 """Faults of a config or a call, one line each."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from ..files.text import describe
 
@@ -35,21 +36,22 @@ def line_at(path: Sequence[str | int], line: str) -> str:
     return line if line.startswith((f"{name}:", f"{name}.")) else f"{name}: {line}"
 
 
-def in_list(place: int, line: str) -> str:
-    """Put the place of an item in a list before a fault, which may begin with `.key: `."""
-    return f"[{place}]{line}" if _WITHIN.match(line) else f"[{place}]: {line}"
+@contextmanager
+def at_key(*path: str | int) -> Iterator[None]:
+    """Put the name of a key, as `.key: ` or `[place]: `, before a fault of the block."""
+    try:
+        yield
+    except ValueError as error:
+        raise ValueError(within(line_at(path, str(error)))) from None
 
 
-def name_of(path: Sequence[str | int], lead: str = "") -> str:
-    """Write a path as `device.beam.span` or `sweep.f0[2]`; the document itself is `config`.
-
-    lead: sign before the first key
-    """
+def name_of(path: Sequence[str | int]) -> str:
+    """Write a path as `device.beam.span` or `sweep.f0[2]`; the document itself is `config`."""
     name = ""
     for key in path:
         plain = isinstance(key, str) and key.isidentifier() and len(key) <= LONGEST_KEY
         name += f".{key}" if plain else f"[{describe(key, LONGEST_KEY)}]"
-    return name if lead else name.removeprefix(".") or "config"
+    return name.removeprefix(".") or "config"
 
 
 def within(line: str) -> str:

@@ -55,6 +55,12 @@ def need_of(hint: object) -> str:
     return f"a list, each {need_of(get_args(lists[0])[0])}" if lists else "a mapping"
 
 
+def taken(hint: object) -> str:
+    """Say what Python takes for an annotation."""
+    kind, holder = kind_of(hint), record_in(hint)
+    return kind.need if kind else holder.__name__ if holder else need_of(hint)
+
+
 def summary(made: type) -> str:
     """Give the first paragraph of a record's docstring; python -OO has none."""
     return inspect.cleandoc(vars(made)["__doc__"].text or "").partition("\n\n")[0]

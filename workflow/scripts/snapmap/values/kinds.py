@@ -21,7 +21,7 @@ from pydantic_core.core_schema import (
 from ..files.text import describe, plain, show
 from ..numerics.portable import geometric, linear
 from . import units
-from .faults import Faults, few, name_of
+from .faults import Faults, few, line_at, within
 
 WRITTEN = {"written": True}
 """Context in which pydantic reads a config."""
@@ -141,17 +141,13 @@ class Quantity(Kind):
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        if array is None or not array.size or not (right := self._holds(array)).all():
-            wrong = (
-                value
-                if array is None or not array.ndim or not array.size
-                else array[~right].ravel()[0]
-            )
-            raise ValueError(f"{show(wrong)} is not {self.need}")
+        if array is None or not array.size:
+            raise ValueError(f"{show(value)} is not {self.need}")
+        worded = [number for _, number in self.words]
+        wrong = array[~(self.bounds.holds(array) | np.isin(array, worded))]
+        if wrong.size:
+            raise ValueError(f"{show(wrong[0] if array.ndim else value)} is not {self.need}")
         return array if array.ndim else array.item()
-
-    def _holds(self, values):
-        return self.bounds.holds(values) | np.isin(values, [number for _, number in self.words])
 
     def read(self, value: object) -> float:
         """Convert text with a unit, or a number without one."""
@@ -170,17 +166,17 @@ class Quantity(Kind):
 
     def write(self, value: float) -> object:
         """Write a number with its unit."""
+        if not self.unit:
+            return value
         if self.unit == "%":
             return f"{plain(100 * value)} %"
-        text = units.used(f"{value} {self.unit}", self.reads) if self.unit else value
-        return text.replace(" 1/", " /") if self.unit else value
+        return units.used(f"{value} {self.unit}", self.reads).replace(" 1/", " /")
 
     def schema(self) -> dict:
         """Describe text with a unit, or a number."""
         number = r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?"
         if self.unit:
-            text = {"type": "string", "pattern": rf"^{number} *(/ *|1 */ *)?[A-Za-zµμ%].*$"}
-            some = [text]
+            some = [{"type": "string", "pattern": rf"^{number} *(/ *|1 */ *)?[A-Za-zµμ%].*$"}]
         else:
             some = [{"type": "number"}, {"type": "string", "pattern": rf"^{number}\s*$"}]
         some += [{"enum": [word for word, _ in self.words]}] if self.words else []
@@ -207,7 +203,6 @@ class Several(Kind):
     """A number or several different ones of a kind; in a config a list, or a range."""
 
     of: Quantity
-    KEYS: ClassVar = ("from", "to", "points", "spacing")
 
     @property
     def need(self) -> str:
@@ -224,8 +219,7 @@ class Several(Kind):
         try:
             row = np.atleast_1d(self.of.take(value))
         except ValueError as error:
-            words = str(error).replace(self.of.need, self.need)
-            raise ValueError(words) from None
+            raise ValueError(str(error).replace(self.of.need, self.need)) from None
         if row.ndim > 1 or not row.size or np.unique(row).size < row.size:
             raise ValueError(f"{show(value)} is not {self.need}")
         return row
@@ -255,31 +249,26 @@ class Several(Kind):
 
     def _spaced(self, section):
         """Space values as a range says, both ends counted."""
-        whole, known = "a whole number from 1 to 1000000", ", ".join(self.KEYS)
-        needs = {"from": self.of.asks, "to": self.of.asks, "points": whole}
-        lacks = (key for key in needs if key not in section)
-        faults = [f".{key}: missing; write {needs[key]}" for key in lacks]
-        strange = (name_of((key,), ".") for key in section if key not in self.KEYS)
-        faults += [f"{name}: unknown key; known here are {known}" for name in strange]
-        ends = []
-        for key in ("from", "to"):
+        kinds, values, faults = self._of_range, {"points": 1, "spacing": "linear"}, []
+        for key, kind in kinds.items():
             try:
-                ends += [self.of.read(section[key])] if key in section else []
+                if key in section:
+                    values[key] = kind.read(section[key])
+                elif key != "spacing":
+                    faults.append(f".{key}: missing; write {kind.asks}")
             except ValueError as error:
                 faults.append(f".{key}: {error}")
-        points, spacing = section.get("points", 1), section.get("spacing", "linear")
-        if type(points) is not int or not 1 <= points <= 1_000_000:
-            faults.append(f".points: {describe(points)} is not {whole}")
-        if spacing not in ("linear", "log"):
-            faults.append(f".spacing: {describe(spacing)} is not one of linear, log")
+        unknown = f"unknown key; known here are {', '.join(kinds)}"
+        faults += [within(line_at((key,), unknown)) for key in section if key not in kinds]
         if faults:
             raise Faults(*faults)
+        points, ends = values["points"], [values["from"], values["to"]]
         if not np.isfinite(ends).all():
             raise ValueError("hard cannot be an end of a range; write a list")
         if (points == 1) != (ends[0] == ends[1]):
             need = "equal ends" if points == 1 else "from and to that differ"
             raise ValueError(f".points: {points} needs {need}; write other ends or points")
-        if spacing != "log":
+        if values["spacing"] == "linear":
             return linear(*ends, points)
         if min(ends) <= 0:
             raise ValueError(".spacing: log needs from and to above 0; write linear, or a list")
@@ -287,19 +276,31 @@ class Several(Kind):
 
     def schema(self) -> dict:
         """Describe a list or a range."""
-        item = self.of.schema()
-        ends = {key: item for key in ("from", "to")}
-        spaced = {
-            "points": {"type": "integer", "minimum": 1},
-            "spacing": {"enum": ["linear", "log"]},
-        }
-        of_range = {"type": "object", "properties": ends | spaced, "additionalProperties": False}
-        of_range["required"] = [*self.KEYS[:3]]
-        return {"anyOf": [{"type": "array", "items": item, "minItems": 1}, of_range]}
+        described = {key: kind.schema() for key, kind in self._of_range.items()}
+        of_range = {"type": "object", "properties": described, "additionalProperties": False}
+        of_range["required"] = [key for key in described if key != "spacing"]
+        return {"anyOf": [{"type": "array", "items": self.of.schema(), "minItems": 1}, of_range]}
+
+    @property
+    def _of_range(self):
+        """Kind of each key of a range."""
+        ends, spacings = {"from": self.of, "to": self.of}, Word(("linear", "log"))
+        return ends | {"points": Whole(1, 1_000_000), "spacing": spacings}
+
+
+class Plain(Kind):
+    """A kind whose values a config has as Python has them."""
+
+    def read(self, value: object) -> object:
+        """Convert a value of a config."""
+        try:
+            return self.take(value)
+        except ValueError:
+            raise ValueError(f"{describe(value)} is not {self.asks}") from None
 
 
 @dataclass(frozen=True)
-class Whole(Kind):
+class Whole(Plain):
     """A whole number from low to high."""
 
     low: int
@@ -318,12 +319,6 @@ class Whole(Kind):
             raise ValueError(f"{show(value)} is not {self.need}")
         return int(np.asarray(value))
 
-    def read(self, value: object) -> int:
-        """Read a whole number."""
-        if type(value) is not int:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return self.take(value)
-
     def schema(self) -> dict:
         """Describe a whole number."""
         most = {} if self.high is None else {"maximum": self.high}
@@ -331,7 +326,7 @@ class Whole(Kind):
 
 
 @dataclass(frozen=True)
-class Flag(Kind):
+class Flag(Plain):
     """True or false."""
 
     need: str = "True or False"
@@ -344,19 +339,13 @@ class Flag(Kind):
             raise ValueError(f"{show(value)} is not {self.need}")
         return bool(value)
 
-    def read(self, value: object) -> bool:
-        """Convert true or false."""
-        if not isinstance(value, bool):
-            raise ValueError(f"{describe(value)} is not {self.asks}")
-        return value
-
     def schema(self) -> dict:
         """Describe true or false."""
         return {"type": "boolean"}
 
 
 @dataclass(frozen=True)
-class Word(Kind):
+class Word(Plain):
     """One of some words; a word stays as it is."""
 
     words: tuple[str, ...]
@@ -370,12 +359,6 @@ class Word(Kind):
         """Take one of the words."""
         if not isinstance(value, str) or value not in self.words:
             raise ValueError(f"{show(value)} is not {self.need}")
-        return value
-
-    def read(self, value: object) -> str:
-        """Read one of the words."""
-        if not isinstance(value, str) or value not in self.words:
-            raise ValueError(f"{describe(value)} is not {self.need}")
         return value
 
     def schema(self) -> dict:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -17,6 +17,7 @@ from .kinds import WRITTEN
 MOST_KNOWN = 20
 """Most keys that a message lists in full; of more, it lists half as many, the nearest."""
 Made = TypeVar("Made")
+_fault = partial(PydanticCustomError, "fault", "{line}")
 
 
 def explained(made: type, source: Any, handler: Any) -> Any:
@@ -38,13 +39,12 @@ def explained(made: type, source: Any, handler: Any) -> Any:
                 if not (detail["loc"] in faults and detail["type"].startswith("missing")):
                     faults.setdefault(detail["loc"], []).extend(_lines(made, detail))
         if not faults:
+            own = vars(section)
+            written = {key: own.pop(key) for key in values if key in own}
+            own |= written  # behind those that are not written
             return section
         errors = [
-            {
-                "type": PydanticCustomError("fault", line.replace("{", "{{")),
-                "loc": path,
-                "input": None,
-            }
+            {"type": _fault({"line": line}), "loc": path, "input": None}
             for path, lines in faults.items()
             for line in lines
         ]
@@ -62,7 +62,7 @@ def _lines(made, detail):
     first, *inner = detail["loc"] or [None]
     match detail["type"]:
         case "fault":
-            return [detail["msg"].replace("{{", "{")]
+            return [detail["msg"]]
         case "value_error":
             error = detail["ctx"]["error"]
             lines = error.args if isinstance(error, Faults) else [str(error)]
@@ -119,7 +119,7 @@ def lines_of(error: ValidationError, *at: str | int) -> list[str]:
         path = (*at, *fault["loc"])
         of_list = _list_of(path)
         group = alike.setdefault(number if of_list == path else of_list, [])
-        group.append(line_at(path, fault["msg"].replace("{{", "{")))
+        group.append(line_at(path, fault["msg"]))
     for faults in alike.values():
         lines += few(faults)
     return lines

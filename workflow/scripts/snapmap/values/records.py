@@ -11,9 +11,9 @@ docs/config.md.
 """
 
 import functools
+import inspect
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from difflib import get_close_matches
 from functools import cache
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
@@ -21,9 +21,10 @@ import numpy as np
 from typing_extensions import dataclass_transform
 
 from ..files.text import show
+from .calls import by_name
 from .described import Docstring, described
 from .faults import line_at, within
-from .fields import beside, hints, is_required, need_of, record_in
+from .fields import beside, hints, record_in
 from .kinds import Word, kind_of
 from .reading import explained
 
@@ -44,25 +45,21 @@ def record(made: type[Made]) -> type[Made]:
     words = made.__doc__  # not the signature that a dataclass has where python -OO has no words
     made = dataclass(frozen=True, repr=False)(made)
     made.__doc__ = Docstring(words)
-    made.__init__ = _converting(made.__init__, [field.name for field in fields(made)])
+    made.__init__ = _converting(made.__init__)
     return made
 
 
-def _converting(initialize, names):
+def _converting(initialize):
     """Wrap the `__init__` of a record, which pydantic does not call, to convert its values."""
+    parameters = dict(inspect.signature(initialize).parameters)
+    del parameters["self"]
 
     @functools.wraps(initialize)
     def __init__(self, *positional, **named):
-        given, made = dict(zip(names, positional, strict=False)) | named, type(self)
-        if twice := [key for key in names[: len(positional)] if key in named]:
-            raise TypeError(f"{twice[0]}: comes twice; write it once")
-        for key in (key for key in given if key not in names):
-            near = get_close_matches(key, names, 1)
-            hint = f"; did you mean {near[0]}?" if near else f" of {made.__name__}"
-            raise TypeError(f"{key}: is not a value{hint}")
-        for key, hint in hints(made).items():
-            if key not in given and is_required(made, key):
-                raise TypeError(f"{key}: missing; write {need_of(hint)}")
+        made = type(self)
+        given, faults = by_name(made.__name__, parameters, positional, named, {})
+        if faults:
+            raise TypeError(faults[0])
         for key, fault in beside(made, given).items():
             raise ValueError(f"{key}: {fault}")
         for key, convert in _converters(made).items():
@@ -129,9 +126,10 @@ def assemble(made: type[Made], values: Mapping) -> Made:
 
 
 def told(whole: object) -> dict[str, Any]:
-    """Give the values of a record that differ from its defaults, by key."""
-    values = [(field.name, getattr(whole, field.name), field.default) for field in fields(whole)]
-    return {key: value for key, value, default in values if _differs(value, default)}
+    """Give the values of a record that differ from its defaults, by key, in the order written."""
+    defaults = {field.name: field.default for field in fields(whole)}
+    own = {key: value for key, value in vars(whole).items() if key in defaults}
+    return {key: value for key, value in own.items() if _differs(value, defaults[key])}
 
 
 def row_of_kinds(

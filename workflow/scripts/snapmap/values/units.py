@@ -73,6 +73,7 @@ _QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
 _LONGEST = 60
 _CELSIUS = ("degree_Celsius", "degrees_Celsius", "degree_C", "degrees_C", "deg_C", "celsius", "°C")
 _ALIAS = {**dict.fromkeys(_CELSIUS, "degC"), "kelvin": "K", "percent": "%"}
+_ALIAS |= {spelt.files: unit for unit, spelt in SPELT.items()}
 """Spellings of packages for units, and of CF, that text in a config does not have."""
 _ZERO = Decimal("273.15")
 _ARITHMETIC = Context(prec=40, traps=[])
@@ -101,7 +102,7 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
     if isinstance(value, list | tuple) and any(map(_has_unit, value)):
         rows = [numbers_in(item, unit) for item in value]
         return None if any(row is None for row in rows) else np.array(rows)
-    own = unit_of(value)
+    own, value = unit_of(value), _held(value)
     if own is not None and hasattr(type(value), "magnitude"):  # pint and Python's other packages
         value = value.magnitude
     elif own is not None and not hasattr(value, "attrs"):
@@ -133,11 +134,18 @@ def plain_numbers(value: object) -> np.ndarray | None:
 
 def unit_of(value: object) -> str | None:
     """Give the unit that a variable of xarray, or an object of a package for units, has."""
-    attributes = getattr(value, "attrs", None)
-    if isinstance(attributes, Mapping) and not _has_unit(getattr(value, "data", None)):
-        return str(attributes["units"]) if "units" in attributes else None
-    held = value if attributes is None else value.data
-    return str(getattr(held, "units", getattr(held, "unit", ""))) if _has_unit(held) else None
+    held = _held(value)
+    if _has_unit(held):
+        return str(getattr(held, "units", getattr(held, "unit", "")))
+    attributes = getattr(held, "attrs", None)
+    has_units = isinstance(attributes, Mapping) and "units" in attributes
+    return str(attributes["units"]) if has_units else None
+
+
+def _held(value):
+    """Give the object with a unit that a variable of xarray holds; leave others as they are."""
+    data = getattr(value, "data", None) if hasattr(value, "attrs") else None
+    return data if _has_unit(data) else value
 
 
 def _has_unit(value):
@@ -197,10 +205,8 @@ def _converted(number, own, target):
     """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay."""
     if not math.isfinite(number):
         return number
-    own = next((unit for unit, spelt in SPELT.items() if spelt.files == own), own)
-    own = _ALIAS.get(
-        own, re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
-    )
+    powers = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
+    own = _ALIAS.get(own, powers)
     if not _matches(re.compile(_UNIT, re.ASCII), own):
         raise ValueError(f"has an unknown unit, {show(own)}")
     return _convert(Decimal(repr(number)), own, target)

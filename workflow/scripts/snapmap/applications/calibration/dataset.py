@@ -17,6 +17,7 @@ from ...study.arguments import SingleStudy, pair_of
 from ...study.axes import COORDINATES
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...values.faults import at_key
 from ...values.kinds import Kind, kind_of
 from ...values.paths import ExistingPath
 from ...values.quantities import Damper
@@ -67,14 +68,11 @@ class UnknownsKind(Kind):
         """Give a pair for each name."""
         if not isinstance(value, Mapping) or not value or not {*value} <= {*VALUES, "C"}:
             raise ValueError(f"{show(value)} is not a mapping of {self.need}")
-        return {key: _pair(key, ends) for key, ends in value.items()}
-
-
-def _pair(key, ends):
-    try:
-        return pair_of(key, ends)
-    except ValueError as error:
-        raise ValueError(f".{key}: {error}") from None
+        pairs = {}
+        for key, ends in value.items():
+            with at_key(key):
+                pairs[key] = pair_of(key, ends)
+        return pairs
 
 
 Table = TypeAliasType("Table", Annotated[str | Path | Mapping[str, Sequence], TableKind()])

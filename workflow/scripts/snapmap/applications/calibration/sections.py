@@ -15,7 +15,7 @@ from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
 from ...study.axes import KIND_OF
-from ...values.faults import Faults, in_list
+from ...values.faults import Faults, line_at
 from ...values.kinds import Kind, Quantity
 from ...values.quantities import Damper
 from ...values.records import record, row_of_kinds, told
@@ -42,7 +42,7 @@ class RangeKind(Kind):
             try:
                 ends.append(self.of.read(end))
             except ValueError as error:
-                faults.append(in_list(place, str(error)))
+                faults.append(line_at((place,), str(error)))
         if faults:
             raise Faults(*faults)
         return ends

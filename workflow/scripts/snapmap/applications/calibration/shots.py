@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from numbers import Number
 from pathlib import Path
 from typing import NamedTuple
 
@@ -118,7 +119,7 @@ def _entry(key, row, value):
     is_empty = value is None or value == "" or value != value
     if key == "tripped":
         word = value.strip().lower() if isinstance(value, str) else value
-        if word not in ANSWERS:
+        if not isinstance(word, str | Number | np.bool_) or word not in ANSWERS:
             raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
         return ANSWERS[word]
     if key in SHOTS:

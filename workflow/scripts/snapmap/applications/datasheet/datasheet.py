@@ -107,9 +107,10 @@ def _device(study, device, written):
 
 
 def _of_config(source):
-    """Rows of the config's hash, of its axes, and of what scatters, as it has them."""
+    """Rows of the config's hash, of its runs and axes, and of what scatters, as it has them."""
     yield ["SHA-256 of its values as sorted JSON", f"{config_hash(source)}..."]
-    for key, what in (("pulse", "pulse"), ("sweep", "sweep"), ("tolerances", "devices as made")):
+    named = {"pulse": "pulse", "run": "run", "sweep": "sweep", "tolerances": "devices as made"}
+    for key, what in named.items():
         for name, value in source.get(key, {}).items():
             is_width = key == "tolerances" and name not in Tolerances._fields
             kind = ", standard deviation" if is_width and not isinstance(value, Mapping) else ""

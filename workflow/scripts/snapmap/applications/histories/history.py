@@ -17,6 +17,7 @@ from ...pulse.pulse import blow_at
 from ...solver.adaptive import choose_model
 from ...solver.cells import Cells, Observations, to_cells
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.kernel.tables import look_up
 from ...solver.models import Model
 from ...solver.options import section_of
 from ...solver.outcome import label
@@ -190,7 +191,7 @@ def _record(built, cells, settings, samples):
     largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
     kept, done, last = [], 0, np.empty((2, 0))
     for motion in motions:
-        values = _observe(device, first, form, stress, motion, built.laws)
+        values = _observe(device, first, form, stress, motion, built)
         y = values["z_mass"] - rest
         force = math.nan if device.is_alone else values["contact_force"].max()
         largest = np.maximum(largest, [-y.min(), y.max(), force, values["stress"].max()])
@@ -242,16 +243,19 @@ def errors_of(model: Model, cells: Cells, settings: Run) -> dict[str, np.ndarray
     }
 
 
-def _observe(device, first, form, stress, motion, laws):
+def _observe(device, first, form, stress, motion, built):
     """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um.
 
     Under a user's own law of beam or contact, what the law does not tell is NaN.
     """
-    velocity = motion.u_velocity
+    velocity, laws, tables = motion.u_velocity, built.laws, built.tables
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
-    if laws and laws.contact:
+    stored = contact**2 / (2 * stiffness)
+    if tables and tables.contact[0]:
+        stored, contact = look_up(tables.values[tables.contact[0]], tables.reach[0], overlap)
+    elif laws and laws.contact:
         contact = np.array([laws.contact(device.contact, s) for s in overlap.tolist()])
     axial_force = -device.beam.axial_stiffness * motion.stretch
     rest = math.nan if device.is_alone else first + device.gap
@@ -267,11 +271,11 @@ def _observe(device, first, form, stress, motion, laws):
         "spring_energy": device.spring * motion.y**2 / 2,
         "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
-        "contact_energy": contact**2 / (2 * stiffness),
+        "contact_energy": stored,
     }
     of_beam = "axial_force", "stress", "bending_energy", "axial_energy"
     unknown = of_beam if laws and laws.force else ()
-    unknown += ("contact_energy",) if laws and laws.contact else ()
+    unknown += ("contact_energy",) if laws and laws.contact and not tables else ()
     return values | {key: values[key] + math.nan for key in unknown}
 
 

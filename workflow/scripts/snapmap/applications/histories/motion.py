@@ -11,6 +11,7 @@ from ...solver.kernel import rows as R
 from ...solver.kernel.lanes import load
 from ...solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from ...solver.kernel.trace import keep_block
+from ...solver.lane_laws import raise_error
 from ...solver.ledger import CellRun
 from ...solver.models import Model
 from ...solver.plain_loop import follower, starting
@@ -117,6 +118,7 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
             set_out(lanes[0], shocks, pulse_state, pulses)
             block = slice(step, step + BLOCK)
             keep_block(*lanes, shocks, before[block], after[block])
+        raise_error(model.laws, lanes[2])
         yield first, before.T, after.T
 
 

@@ -10,7 +10,7 @@ from ...config.views import frequency_of
 from ...device.device import VALUES, Device, batch
 from ...files.text import describe, exact, stem_of
 from ...study.axes import DEVICE, KIND_OF
-from ...values.faults import in_list
+from ...values.faults import at_key
 from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from ...values.records import record, row_of_kinds, told
 
@@ -93,11 +93,9 @@ def read_cells(
     """Take the cells of a config; raises ValueError, one line, for an invalid cell."""
     cells = {}
     for place, section in enumerate(sections):
-        try:
+        with at_key(place):
             cell = read_cell(told(section), device)
             if cell.name in cells:
                 raise ValueError(f"{cell.name} is there already; leave it out")
-        except ValueError as error:
-            raise ValueError(in_list(place, str(error))) from None
         cells[cell.name] = cell
     return tuple(cells.values())

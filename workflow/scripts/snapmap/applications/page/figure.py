@@ -15,6 +15,7 @@ from matplotlib.colors import to_hex
 from plotly.offline import get_plotlyjs
 
 from ...config.devices import read_device
+from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
 from ...device.device import KINDS, STOPS, VALUES
@@ -79,7 +80,7 @@ def page(
     required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
     """
-    cells, document = thin(cube), json.loads(cube.attrs["config"])
+    cells, document = thin(cube), config_of(cube.attrs)
     dims = cells.outcome.dims
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
     named = document.get("devices", {"": document.get("device", {})})
@@ -148,7 +149,7 @@ def _simulation(cells, devices, pulse):
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
-    document = json.loads(cells.attrs["config"])
+    document = config_of(cells.attrs)
     grid, start = study.set_out(axes), style.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     for pulse in known:

@@ -12,7 +12,7 @@ from ...config.views import frequency_of
 from ...files.text import describe, show
 from ...solver.settings import FIRST, STARTS
 from ...study.study import ANY, ARRIVES
-from ...values.faults import in_list
+from ...values.faults import at_key
 from ...values.kinds import Kind, Word, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
 from ...values.reading import read_part
@@ -189,12 +189,10 @@ def read_requirements(
         raise ValueError(f"{show(twice)} comes twice; write another name")
     gravity, requirements = float(next(iter(study.devices().values())).gravity), []
     for place, section in enumerate(sections):
-        try:
+        with at_key(place):
             required = section.under(pulse, gravity)
             for device in study.devices().values():
                 require_start(required.start, device)
-        except ValueError as error:
-            raise ValueError(in_list(place, str(error))) from None
         requirements.append(required)
     if requirements:
         temperatures = study.temperatures

@@ -10,15 +10,24 @@ from numba.extending import overload
 
 from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
 from . import rows as R
+from .laws import LaneLaws, damp, dissipate, hold_by_law, touch_by_law
 from .rows import LANES, Rows, Shape, numbers, vectors
 
 Sums = tuple[float, ...]
 
 
 @compiled
-def advance(work: np.ndarray, shape: Shape, shocks: np.ndarray, first: int, steps: int) -> None:
+def advance(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    shocks: np.ndarray,
+    first: int,
+    steps: int,
+) -> None:
     """Advance every lane by `steps` steps.
 
+    laws: `LaneLaws` or None
     shocks: a dt^2 of each step of a block, as `set_out` sets them; first: index of the first step
 
     At half steps q = p.S p+ + (p + p+).S q0 is the stretch and x = e.(p + p+)/2 - (y + y+)/2 - z0
@@ -37,13 +46,21 @@ def advance(work: np.ndarray, shape: Shape, shocks: np.ndarray, first: int, step
         if stopped and crossed(work):
             meet_stops(work)
         take(X, shocks, step)
+        if laws is not None and laws.damping != 0:
+            damp(work, laws)
         for l in range(LANES):
             touch(X, l, release_all(X, V, shape, l, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
         if stopped:
             let_go(work)
+        if laws is not None and laws.holds:
+            hold_by_law(work, laws)
+        elif laws is not None and laws.tabled:
+            touch_by_law(work, laws)
         for l in range(LANES):
             press(X, V, shape, l, meet(X, l))
+        if laws is not None and laws.damping != 0:
+            dissipate(X)
 
 
 @inlined
@@ -292,6 +309,7 @@ def strike(X: Rows, l: int, stop: float) -> None:
     X[R.GROSS_WORK, l] += abs(2 * work)
     X[R.OVERLAP, l] -= place - middle
     X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
+    X[R.DY_BEFORE, l] = turned
 
 
 @inlined

@@ -5,6 +5,7 @@ import numpy as np
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
 from .lanes import half_step_midpoint, load
+from .laws import LaneLaws
 from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
 from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance, rebound
@@ -14,6 +15,7 @@ from .step import advance, rebound
 def follow_stress(
     work: np.ndarray,
     shape: Shape,
+    laws: LaneLaws | None,
     devices: np.ndarray,
     dt: np.ndarray,
     pulses: Pulses,
@@ -37,7 +39,7 @@ def follow_stress(
     X, V = numbers(work), vectors(work, modes)
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
     for l in range(steps.size):
-        load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        load(work, shape, laws, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
     for l in range(len(stress)):
         for place in range(stress.shape[1] - 1):
@@ -47,7 +49,7 @@ def follow_stress(
         if step % BLOCK == 0:
             state.steps[:] = step
             set_out(work, shocks, state, pulses)
-        advance(work, shape, shocks, step % BLOCK, 1)
+        advance(work, shape, laws, shocks, step % BLOCK, 1)
         for l in range(len(stress)):
             if step < steps[l]:
                 most = largest_stress(X, V, modes, l, stress[l])
@@ -56,7 +58,12 @@ def follow_stress(
 
 @compiled
 def keep_block(
-    work: np.ndarray, shape: Shape, shocks: np.ndarray, before: np.ndarray, after: np.ndarray
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    shocks: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
 ) -> None:
     """Advance by up to a block, and record the state of lane 0 before and after each step.
 
@@ -67,7 +74,7 @@ def keep_block(
         rebound(work)
         for i in range(before.shape[1]):
             before[step, i] = work[(R.STATE + i) * LANES]
-        advance(work, shape, shocks, step, 1)
+        advance(work, shape, laws, shocks, step, 1)
         for i in range(before.shape[1]):
             after[step, i] = work[(R.STATE + i) * LANES]
 
@@ -76,6 +83,7 @@ def keep_block(
 def keep_midpoints(
     work: np.ndarray,
     shape: Shape,
+    laws: LaneLaws | None,
     state: PulseState,
     pulses: Pulses,
     first: int,
@@ -94,7 +102,7 @@ def keep_midpoints(
             state.steps[:] = first + step
             set_out(work, shocks, state, pulses)
         rebound(work)
-        advance(work, shape, shocks, step % BLOCK, 1)
+        advance(work, shape, laws, shocks, step % BLOCK, 1)
         for l in range(LANES):
             midpoints[step, l] = seen_midpoint(X, V, modes, l)
 
@@ -127,4 +135,4 @@ def largest_stress(X: Rows, V: Rows, modes: int, l: int, rows: np.ndarray) -> fl
 def pressed(X: Rows, l: int) -> float:
     """Return the contact force at the last half step, times dt^2."""
     overlap = X[R.OVERLAP, l]
-    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
+    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0) + X[R.PUSH, l]
