@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any, ClassVar, Union, get_args
+from typing import Any, Union, get_args
 
 import numpy as np
 from pydantic_core.core_schema import (
