@@ -34,7 +34,7 @@ class _Pushed(NamedTuple):
     stop: np.ndarray
     travel: np.ndarray
 
-    def take(self, which: np.ndarray) -> "_Pushed":
+    def take(self, which):
         modes = BucklingModes(*(column[which] for column in self.modes))
         return _Pushed(modes, *(column[which] for column in self[1:]))
 

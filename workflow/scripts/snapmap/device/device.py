@@ -19,6 +19,7 @@ from ..values.quantities import (
     Force,
     Gap,
     LeastStrength,
+    LeftOut,
     Mass,
     Position,
     Restitution,
@@ -65,11 +66,11 @@ class Device:
     """dimensions and material of the beam"""
     mass: Mass
     """moving mass; `none` for a beam alone, without spring, contact, gap, stops and C"""
-    spring: Stiffness | None = None
+    spring: Stiffness | LeftOut = None
     """stiffness of the spring that holds the mass; required, unless `mass` is none"""
-    contact: Contact | None = None
+    contact: Contact | LeftOut = None
     """stiffness where the mass touches the beam, or `hard`; required, as `spring`"""
-    gravity: Acceleration | None = None
+    gravity: Acceleration | LeftOut = None
     """the unit of N; required, or `force`"""
     gap: Gap = 0.0
     """distance between mass and midpoint at rest"""
@@ -81,7 +82,7 @@ class Device:
     """travel of the mass away from the beam up to a stop; no stop if left out"""
     restitution: Restitution = RESTITUTION
     """share of its speed that the mass keeps at a stop"""
-    temperature: Temperature | None = None
+    temperature: Temperature | LeftOut = None
     """temperature at which modulus and stress hold; that of `reference_temperature` if left out"""
     reference_temperature: Temperature = REFERENCE
     """temperature at which C holds"""

@@ -40,7 +40,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
     for i in range(dt.size):
         device, pulse, *values = (column[i].item() for column in cells[:-1])
         alone = model.pick(device).device
-        cell = Cell(alone, cells.pulses[pulse], *values, settings.start)
+        cell = Cell._make((alone, cells.pulses[pulse], *values, settings.start))
         N, f0, C = cell.amplitude / alone.gravity, 1e6 * cell.f0, cell.damping
         name = getattr(model.laws.solver, "__name__", "solver")
         with of_user(f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} uN*us/um"):

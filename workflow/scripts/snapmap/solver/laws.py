@@ -14,6 +14,7 @@ from typing_extensions import TypeAliasType
 from ..files.named import inside, naming, read_named, sha256_of
 from ..files.text import describe, show
 from ..values.kinds import Fitting, Kind, Number
+from ..values.quantities import Value
 
 logger = logging.getLogger("snapmap")
 PARAMETERS = {
@@ -177,7 +178,7 @@ class LawsKind(Kind):
         return {"type": "string"}
 
 
-UserLaws = TypeAliasType("UserLaws", Annotated[str | Laws | Mapping[str, Callable], LawsKind()])
+UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
 
 
 @cache

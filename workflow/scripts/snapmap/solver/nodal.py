@@ -9,7 +9,6 @@ from ..beam.modal import pulse_load, settled
 from ..device.device import Device
 from ..numerics.kernels import compiled, fma
 from ..numerics.linalg import apply, solve_all
-from ..values.kinds import Number
 
 
 class System(NamedTuple):
@@ -32,15 +31,15 @@ class System(NamedTuple):
     slope_start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: Number
-    mass: Number
-    spring: Number
-    penalty: Number
-    gap: Number
-    beam_damping: Number
-    stop_toward: Number
-    stop_away: Number
-    restitution: Number
+    axial: float
+    mass: float
+    spring: float
+    penalty: float
+    gap: float
+    beam_damping: float
+    stop_toward: float
+    stop_away: float
+    restitution: float
     start: np.ndarray
     side: float
 
@@ -59,7 +58,7 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
         slope_start=apply(scaled.geometric, scaled.start),
         load=pulse_load(device, scaled.load, scaled.midpoint),
         midpoint=scaled.midpoint,
-        axial=device.beam.axial_stiffness,
+        axial=float(device.beam.axial_stiffness),
         mass=device.mass,
         spring=device.spring,
         penalty=device.contact,
@@ -67,7 +66,7 @@ def nodal_system(device: Device, basis: Basis, start: np.ndarray | None = None) 
         beam_damping=device.beam.damping,
         stop_toward=device.stop_toward,
         stop_away=device.stop_away,
-        restitution=device.restitution,
+        restitution=float(device.restitution),
         start=np.zeros(scaled.load.size) if start is None else start,
         side=1.0 if start is None else -1.0,
     )

@@ -124,7 +124,7 @@ class ModelKind(Kind):
         """Read a section of a config."""
         if not isinstance(value, Mapping):
             raise ValueError(f"{describe(value)} is not {self.asks}")
-        wrong = ()
+        wrong: tuple[str, ...] = ()
         try:
             made = self._named(value, describe)
         except ValueError as error:  # the options are those of the model that has most of them

@@ -38,7 +38,7 @@ class Run:
     default where `until` is `settled`"""
     energy_tolerance: Fraction = 1e-3
     """largest residual of the energy ledger of a believed run, over the pulse's gross work"""
-    start: Literal["first", "second"] = FIRST
+    start: Literal["first", "second"] = "first"
     """shape in which the beam rests at first"""
     threads: Threads = 1
     """number of threads, which change no result"""

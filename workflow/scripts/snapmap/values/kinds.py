@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any, ClassVar, Union, get_args
+from typing import Any, Union, get_args
 
 import numpy as np
 from pydantic_core.core_schema import (
@@ -59,7 +59,7 @@ class Kind:
 
     need: str
     """What is right, in words that follow "is not"."""
-    records: ClassVar[tuple] = ()
+    records: tuple = ()
     """Records of which a config has one."""
 
     @property

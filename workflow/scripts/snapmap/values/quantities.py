@@ -1,7 +1,7 @@
 """The physical kinds of values: the only place that says what a length is."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from typing_extensions import TypeAliasType
@@ -10,6 +10,11 @@ from .kinds import Flag, Number, Quantity, Several, Single, Whole
 
 Value = Any
 """A number, an array, or text with a unit; a record has made numbers of it."""
+if TYPE_CHECKING:
+    LeftOut = Any
+else:
+    LeftOut = None
+"""None, in place of which a record puts what follows from its other values."""
 
 
 # fmt: off

@@ -126,8 +126,8 @@ def design(
         raise ValueError("pulse: has several shapes or directions; write one of each")
     try:
         between = pair_of(value, between)
-    except ValueError as error:
-        raise ValueError(f"between: {error}") from None
+    except ValueError as fault:
+        raise ValueError(f"between: {fault}") from None
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(

@@ -41,7 +41,7 @@ class ClosingSection(ShockSection):
             raise ValueError(f"{next(iter(self.demands))}: needs a device that must trip; {need}")
         super().__post_init__()
 
-    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:
         """Make the requirement of a study, as for any shock, with its DEMANDS."""
         required = super().under(pulse, gravity)
         # These say how long it must stay.

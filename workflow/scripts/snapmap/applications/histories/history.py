@@ -3,7 +3,7 @@
 import math
 import warnings
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from ...files.text import plain
 from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
 from ...solver.adaptive import choose_model
-from ...solver.cells import Cells, to_cells
+from ...solver.cells import Cells, Observations, to_cells
 from ...solver.cost import steps_and_seconds, tell
 from ...solver.kernel.tables import look_up
 from ...solver.models import Model
@@ -159,7 +159,7 @@ def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]
     return extremes._asdict() | added
 
 
-def _cell(study, N, f0, C):
+def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
     horizon, pulses = study.run.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)

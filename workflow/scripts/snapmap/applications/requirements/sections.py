@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from typing_extensions import TypeAliasType
 
@@ -11,13 +11,16 @@ from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time,
 from ...config.views import frequency_of
 from ...files.text import describe, show
 from ...solver.settings import FIRST, STARTS
-from ...study.study import ANY, ARRIVES, Study
+from ...study.study import ANY, ARRIVES
 from ...values.faults import at_key
 from ...values.kinds import Kind, Word, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
 from ...values.reading import read_part
 from ...values.records import record
 from .required import Required, RequiredShock
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
@@ -30,7 +33,7 @@ class SnapsKind(Kind):
     words: tuple[str, ...]
 
     @property
-    def need(self) -> str:
+    def need(self) -> str:  # type: ignore[override]
         """What is right, in words that follow "is not"."""
         return " or ".join([", ".join(["true", "false", *self.words[:-1]]), self.words[-1]])
 
@@ -50,7 +53,7 @@ class SurvivesKind(Kind):
 
     need = "true, false or a share such as 99.99 %"
 
-    def read(self, value: object) -> float:
+    def read(self, value: object) -> object:
         """Read the least probability with which the beam must not break; 0 if it may."""
         return SURVIVES * value if isinstance(value, bool) else kind_of(Share).read(value)
 
@@ -173,7 +176,7 @@ class RequirementKind(Kind):
 
 
 def read_requirements(
-    sections: Sequence[Any], study: Study, pulse: PulseSection | None
+    sections: Sequence[Any], study: "Config", pulse: PulseSection | None
 ) -> list[Required]:
     """Take the requirements of a config; raises ValueError, one line, for an invalid one.
 

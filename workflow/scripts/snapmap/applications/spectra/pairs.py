@@ -23,7 +23,7 @@ class Points(Kind):
     example: str
 
     @property
-    def need(self) -> str:
+    def need(self) -> str:  # type: ignore[override]
         """What is right in Python, in words that follow "is not"."""
         of = f"Hz and {'multiples of g' if self.unit == 'g' else self.unit}"
         return f"two pairs or more of {of}, above 0 and ascending, such as {self.example}"
@@ -60,10 +60,10 @@ class Points(Kind):
                     faults.append(f"[{place}][{inner}]: {error}")
         if faults:
             raise Faults(*few(faults))
-        points = np.reshape(points, (-1, 2))
-        if not ((points > 0).all() and _ascends(points)):
+        pairs: np.ndarray = np.reshape(points, (-1, 2))
+        if not ((pairs > 0).all() and _ascends(pairs)):
             raise ValueError(f"frequencies and levels are not {self.asks} above 0")
-        return points
+        return pairs
 
     def schema(self) -> dict:
         """Describe a list of pairs."""

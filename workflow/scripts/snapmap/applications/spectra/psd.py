@@ -9,6 +9,7 @@ from typing_extensions import TypeAliasType
 
 from ...pulse.pulse import Pulse, straight
 from ...values.kinds import Whole
+from ...values.quantities import Value
 from .pairs import Points
 
 REACH = 0.01
@@ -23,7 +24,7 @@ MOST_SAMPLES = 2**21
 
 Density = TypeAliasType(
     "Density",
-    Annotated[Sequence, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")],
+    Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")],
 )
 Records = TypeAliasType("Records", Annotated[int, Whole(1, 10_000)])
 

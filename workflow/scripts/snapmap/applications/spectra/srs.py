@@ -9,6 +9,7 @@ from typing_extensions import TypeAliasType
 
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
+from ...values.quantities import Value
 from .pairs import Points
 
 Q = 10.0
@@ -68,16 +69,16 @@ def frequencies(low: float, high: float) -> np.ndarray:
 
 
 Levels = TypeAliasType(
-    "Levels", Annotated[Sequence, Points("level", "g", "[(500, 700), (2000, 1500)]")]
+    "Levels", Annotated[Value, Points("level", "g", "[(500, 700), (2000, 1500)]")]
 )
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Return a spectrum's points as an array, (points, 2); raises ValueError for invalid ones."""
-    points = np.asarray(points, float)
-    if points[-1][0] > MOST_SPAN * points[0][0]:
+    pairs = np.asarray(points, float)
+    if pairs[-1, 0] > MOST_SPAN * pairs[0, 0]:
         raise ValueError(f"srs: frequencies span more than 1:{MOST_SPAN}; write a narrower range")
-    return points
+    return pairs
 
 
 def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:

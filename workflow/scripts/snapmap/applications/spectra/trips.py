@@ -1,6 +1,7 @@
 """Whether records that meet a shock response spectrum trip a device, and at which factor."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -80,7 +81,7 @@ def srs_test(
 
 
 def trips_of(
-    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, drawn: Mapping
+    study: Study, axes: Mapping[str, Any], points: np.ndarray, drawn: Mapping
 ) -> xr.Dataset:
     """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -102,7 +102,7 @@ def vibration(
 
 
 def vibration_of(
-    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, drawn: Mapping
+    study: Study, axes: Mapping[str, Any], spectrum: Spectrum, drawn: Mapping
 ) -> xr.Dataset:
     """Find the rate and the level of a study's devices, as `vibration` returns them.
 
@@ -140,7 +140,7 @@ def vibration_of(
     data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
     section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
     document = study.document(OF_THRESHOLDS) | {"vibration": section}
-    columns = {
+    columns: dict[str, Any] = {
         key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
@@ -156,7 +156,7 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
     Returns the same by rung, every one near the lowest snap, else every STRIDE-th; NaN for rows
     not followed there.
     """
-    ladder = {}
+    ladder: dict[int, np.ndarray] = {}
 
     def count(rung, which):
         counts = ladder.setdefault(rung, np.full((3, exists.size), np.nan))
@@ -174,7 +174,7 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
             stays = snaps + failed < records if side > 0 else snaps > 0
             last[left], left, rung = rung, left[stays], rung + side * STRIDE
     for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
-        low = np.array([_last_quiet(ladder, row) for row in every], int)
+        low = np.array([_last_quiet(ladder, row) for row in every], np.int64)
         count(rung, every[(low < rung) & (rung < all_snap[every])])
     return ladder
 
@@ -191,7 +191,7 @@ def _last_quiet(ladder, row):
     return max((rung for rung in counts if rung < first), default=min(counts, default=0))
 
 
-def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
+def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, ...]:
     """Find the level over the given one at which the rate is `needed`, 1/s, and its bounds."""
     counts = _counts(ladder, row)
     first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), None)

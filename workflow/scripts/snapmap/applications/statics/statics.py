@@ -1,6 +1,7 @@
 """The beam pushed slowly: force and energy over the displacement of its midpoint."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -81,7 +82,7 @@ def statics_of(device: Device) -> xr.Dataset:
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
-    data = {key: (("branch", "point"), column) for key, column in values.items()}
+    data: dict[str, Any] = {key: (("branch", "point"), column) for key, column in values.items()}
     data |= {
         "rise": first,
         "second_equilibrium": barrier.second,
