@@ -257,6 +257,21 @@ def test_a_history_shows_the_laws_energy(handout):
     assert run.contact_energy.max() > 1 and run.contact_force.max() > 10
 
 
+def test_all_that_takes_a_model_takes_laws(handout):
+    """A law that is the device's own gives what the device gives, within its errors."""
+    asked, made = (1500.0, 25.0), {}
+    for name, laws in (("own", None), ("law", {"damping": linear_drag})):
+        how = {"model": flat.model(**COSINES, laws=laws), "horizon": 0.0}
+        shock = {"N": 1100.0, "f0": 1500.0, "C": 25.0}
+        made[name] = (
+            flat.design(handout, "thickness", **shock, between=(2.0, 2.2), **how),
+            flat.tolerance(handout, {"thickness": "2 %"}, *asked, samples=8, **how).N_mean.item(),
+        )
+    (of_own, mean), (of_law, mean_of_law) = made.values()
+    assert abs(of_own.value - of_law.value) < of_own.error + of_law.error
+    assert mean_of_law == pytest.approx(mean, rel=1e-3)
+
+
 @pytest.mark.long
 def test_every_example_of_a_law_runs_in_the_kernel(handout, root):
     for path in sorted((root / "examples" / "laws").glob("*.py")):

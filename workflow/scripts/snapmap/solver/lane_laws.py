@@ -14,7 +14,7 @@ from .laws import Laws, announce, of_user
 
 def lane_laws(laws: Laws | None, tables: Tables | None) -> LaneLaws | None:
     """Make a user's laws as a call of a kernel takes them; None without any."""
-    if laws is None:
+    if laws is None or tables is None:
         return None
     address = _of_lanes(laws.damping).address if laws.damping else 0
     asked, holds = np.zeros(5 * LANES), laws.force is not None
@@ -23,7 +23,7 @@ def lane_laws(laws: Laws | None, tables: Tables | None) -> LaneLaws | None:
 
 def raise_error(laws: Laws | None, lanes: LaneLaws | None) -> None:
     """Raise the error of a damping, if it made one in a kernel, as a ValueError of one line."""
-    if lanes is not None and lanes.asked[4 * LANES]:
+    if laws and laws.damping and lanes and lanes.asked[4 * LANES]:
         with of_user("damping"):
             for row in lanes.asked[: 3 * LANES].reshape(3, LANES).T.tolist():
                 laws.damping(*row)

@@ -48,8 +48,8 @@ def tabulate(laws: Laws, device: Device, modal: ModalBeam) -> Tables:
     """
     bending = modal.stiffness[..., 0] / modal.midpoint[..., 0] ** 2
     columns = device.contact, modal.residual, REACH * device.beam.rise, bending
-    columns = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
-    kinds, kind = np.unique(columns, axis=1, return_inverse=True)
+    stacked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, columns)))
+    kinds, kind = np.unique(stacked, axis=1, return_inverse=True)
     values, rows = [np.zeros((CELLS, 4))], []
     for stiffness, residual, reach, bending in kinds.T.tolist():
         contact, force, bounded, apart = 0, 0, True, True
@@ -65,8 +65,8 @@ def tabulate(laws: Laws, device: Device, modal: ModalBeam) -> Tables:
             force = len(values)
             values.append(potentials(_beyond(laws.force, bending), reach))
         rows.append((contact, force, reach, bounded, apart))
-    columns = (np.array(column)[kind.ravel()] for column in zip(*rows, strict=True))
-    return Tables(np.array(values), *columns)
+    of_devices = [np.array(column)[kind.ravel()] for column in zip(*rows, strict=True)]
+    return Tables(np.array(values), *of_devices)
 
 
 def well_as_mode(modal: ModalBeam, force: Callable, second: float) -> ModalBeam:

@@ -156,14 +156,15 @@ class LawsKind(Kind):
 
     def take(self, value: object) -> Laws:
         """Take laws, or read a file."""
-        if not isinstance(value, str | Laws | Mapping):
-            raise ValueError(f"{show(value)} is not {self.need}")
         if isinstance(value, Laws):
             return value
+        are_functions = isinstance(value, Mapping) and value.keys() <= PARAMETERS.keys()
+        if not are_functions and not isinstance(value, str):
+            raise ValueError(f"{show(value)} is not {self.need}")
         try:
-            if isinstance(value, Mapping) and value.keys() <= PARAMETERS.keys():
+            if isinstance(value, Mapping):
                 return compile_laws(value)
-            return load_laws(value, sha256_of(value, *LAWS))
+            return load_laws(str(value), sha256_of(str(value), *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
 

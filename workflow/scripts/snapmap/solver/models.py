@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
 from types import ModuleType
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -136,8 +136,13 @@ class Model:
         barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
         device, steps = self.device.pick(which), self.steps.pick(which)
         tables = self.tables and self.tables.pick(which)
-        parts = {"modal": modal, "barrier": barrier, "steps": steps, "tables": tables}
-        return replace(self, device=device, **parts)
+        parts: dict[str, Any] = {
+            "device": device,
+            "modal": modal,
+            "barrier": barrier,
+            "steps": steps,
+        }
+        return replace(self, tables=tables, **parts)
 
     def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
