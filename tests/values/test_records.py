@@ -49,6 +49,16 @@ def test_a_fault_of_a_mapping_within_has_its_path():
         assert line.startswith(f"beam.{key}: ") and "\n" not in line
 
 
+def test_all_faults_of_a_record_are_told_at_once():
+    lines = rf"\Abeam\.span: .*\nbeam\.depth: .*\nspring: .*\n{'contact: .*'}\Z"
+    with pytest.raises(ValueError, match=lines):
+        snapmap.Device(
+            beam=BEAM | {"span": -1.0, "depth": "1 kg"}, **MOVES | {"spring": -1, "contact": []}
+        )
+    with pytest.raises(TypeError, match=r"\Alength: is not an argument.*\nspan: missing; .*\Z"):
+        snapmap.Beam(length=1.0, **{key: BEAM[key] for key in BEAM if key != "span"})
+
+
 def test_a_study_is_equal_by_value_and_a_copy_of_it_too(handout):
     drop = {"drop": {"height": "0.5 m", "duration": "0.5 ms", "rebound": 0.3}}
     for pulse in ("half sine", drop, {"a": "half sine", "b": drop}, sampled()):

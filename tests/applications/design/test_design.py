@@ -89,6 +89,13 @@ def test_all_requirements_are_met_in_a_window_between_the_values_for_each(handou
     assert (window.low_from.item(), window.high_from.item()) == ("stay", "trip")
 
 
+def test_what_must_arrive_has_the_window_of_what_must_trip(handout):
+    asked = {"requirements": [require("trip", 1100.0, True)], **THICKNESS}
+    trip = flat.design(handout, "thickness", **asked)
+    asked["requirements"] = [require("trip", 1100.0, "arrives")]
+    assert flat.design(handout, "thickness", **asked).equals(trip)
+
+
 def test_a_contradiction_says_where_each_requirement_is_met(handout):
     needs = [require("trip", 1100.0, True), require("stay", 1300.0, False)]
     needs.append(require("never", 9e5, False))

@@ -184,6 +184,12 @@ def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
     assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)
 
 
+@pytest.mark.parametrize("rise", [8.0, 10.0, 13.0])
+def test_a_free_beam_without_stress_has_the_rise_with_which_it_was_made(handout, rise):
+    found = snapmap.statics(varied(handout, rise=rise, free=True, imperfection=0.01))
+    assert found.rise.item() == pytest.approx(rise, rel=1e-6)
+
+
 def held_straight(beam, n):
     """Both forces and ways, over their units, at the axial force (n/L)^2 EI: a beam-column."""
     x, Q, made = np.linspace(0, 0.5, 2001), beam.rise / beam.thickness, np.pi * np.pi / 2

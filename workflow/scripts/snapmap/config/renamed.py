@@ -74,7 +74,8 @@ def _move(section, path, names):
             value = home.pop(key)
             known = isinstance(value, str) and (old, value) in VALUES
             new_home[last] = VALUES[old, value] if known else value
-            lines.append(f"{path}{old}: is called {path}{new} since version 0.4; write that")
+            word = f": {VALUES[old, value]}".lower() if known else ""
+            lines.append(f"{path}{old}: is called {path}{new}{word} since version 0.4; write that")
     for old, home in old_homes.items():
         above, _, key = old.rpartition(".")[0].rpartition(".")
         outer = _home(section, f"{above}.{key}")

@@ -12,6 +12,7 @@ from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form
 from ..pulse.recorded import RECORD, read_pulse
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..pulse.trains import Blow, Drop
+from ..values.faults import at_key
 from ..values.kinds import Kind
 from ..values.records import record, told
 from .kinds import StudyPath
@@ -69,8 +70,11 @@ class PulseSection(Form):
         return {key: f"excludes {timed}; write one of them" for key in others if timed}
 
     def __post_init__(self):
-        """Make the shocks; ValueError for what cannot be one."""
-        self.make_shocks()
+        """Make the shocks; ValueError, which begins with `.key: `, for what cannot be one."""
+        try:
+            self.make_shocks()
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("pulse")) from None
 
     def values(self) -> dict:
         """Give the values that are written, in internal units, with the SHA-256 of a file."""
@@ -95,7 +99,9 @@ def shocks_of(values: Mapping) -> Shocks:
     values = dict(values)
     direction = values.pop("direction", "+z")
     if "file" in values:
-        return make_shocks(read_pulse(values["file"], values["sha256"]), direction)
+        with at_key("file"):
+            pulse = read_pulse(values["file"], values["sha256"])
+        return make_shocks(pulse, direction)
     names = values.get("shape", VERSED_SINE)
     if not isinstance(names, list):
         return make_shocks(values or VERSED_SINE, direction)

@@ -34,7 +34,7 @@ def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable)
                 try:
                     values[key] = kinds[key].take(value)
                 except ValueError as error:
-                    faults.append(line_at((key,), str(error)))
+                    faults += [line_at((key,), line) for line in str(error).splitlines()]
         if faults:
             raise Faults(*faults)
         with prepare(function, values):

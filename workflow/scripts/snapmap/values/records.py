@@ -23,7 +23,7 @@ from typing_extensions import dataclass_transform
 from ..files.text import show
 from .calls import by_name
 from .described import Docstring, described
-from .faults import line_at, within
+from .faults import Faults, line_at, within
 from .fields import beside, hints, record_in
 from .kinds import Word, kind_of
 from .reading import explained
@@ -59,15 +59,16 @@ def _converting(initialize):
         made = type(self)
         given, faults = by_name(made.__name__, parameters, positional, named, {})
         if faults:
-            raise TypeError(faults[0])
-        for key, fault in beside(made, given).items():
-            raise ValueError(f"{key}: {fault}")
+            raise TypeError("\n".join(faults))
+        faults = [f"{key}: {fault}" for key, fault in beside(made, given).items()]
         for key, convert in _converters(made).items():
             if key in given:
                 try:
                     given[key] = convert(given[key])
                 except ValueError as error:
-                    raise ValueError(line_at((key,), str(error))) from None
+                    faults += [line_at((key,), line) for line in str(error).splitlines()]
+        if faults:
+            raise Faults(*faults)
         initialize(self, **given)
 
     return __init__
@@ -110,11 +111,11 @@ def _converter(hint):
 
 
 def build(made: type[Made], values: Mapping) -> Made:
-    """Make a record of a mapping of Python; ValueError, one line that begins with `.key: `."""
+    """Make a record of a mapping of Python; Faults, lines that begin with `.key: `."""
     try:
         return made(**values)
     except (TypeError, ValueError) as error:
-        raise ValueError(within(str(error))) from None
+        raise Faults(*map(within, str(error).splitlines())) from None
 
 
 def assemble(made: type[Made], values: Mapping) -> Made:

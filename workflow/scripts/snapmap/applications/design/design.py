@@ -202,7 +202,7 @@ def _threshold_finder(study, value, C, goals) -> Callable:
     pulses = {str(i): goal.shocks.pulses[0] for i, goal in enumerate(goals)}
     study = study.under(Shocks(pulses))
     N, f0 = np.array([goal.N for goal in goals]), np.array([goal.f0 for goal in goals])
-    snaps = np.array([goal.snaps for goal in goals])
+    snaps = np.array([bool(goal.snaps) for goal in goals])  # ARRIVES snaps, too
     starts = np.array([goal.start for goal in goals])
 
     def look(row, tried, axes=()):

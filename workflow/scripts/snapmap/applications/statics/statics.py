@@ -76,9 +76,9 @@ def statics_of(device: Device) -> xr.Dataset:
     branches, w = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
     if device.beam.free:
         # With an imperfection the path bends sharply at both ends of the straight part.
-        first, last = w[POINTS], w[2 * POINTS - 1]
+        begin, end = w[POINTS], w[2 * POINTS - 1]
         share = (1 - sines(np.linspace(0.25, 0.75, POINTS))) / 2
-        w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
+        w = np.concatenate([w[:POINTS], begin + (end - begin) * share, w[2 * POINTS :]])
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
