@@ -3,6 +3,7 @@ import os
 import sys
 from contextlib import suppress
 from dataclasses import replace
+from inspect import getfile
 from pathlib import Path
 
 from snakemake.logging import logger
@@ -41,14 +42,14 @@ from snapmap.study.provenance import (
     hash_drawing,
     hash_numbers,
 )
-from snapmap.applications import attached, functions, gather, refuse_all
+from snapmap.applications import attached, gather, refuse_all
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.workflow.products import choose_views
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import VALUES
-from snapmap.study.study import THRESHOLD_SETTINGS
+from snapmap.study.study import OF_THRESHOLDS
 from snapmap.workflow.plan import SHARED_SECONDS, make_plan
 from snapmap.sweeps.slabs import cells_in, slab_name
 
@@ -75,8 +76,9 @@ try:
     if workflow.is_main_process:
         plan_with(study.files() | code)
     hold_to_plan(study.files())
-    extra = gather("alone", study), functions("observing")
-    plan = make_plan(study.grid, study.model, study.settings, *extra)
+    alone = gather(lambda part: part.alone(study))
+    observing = [part.observing for part in attached().values()]
+    plan = make_plan(study.grid, study.model, study.run, alone, observing)
     warnings = doubts(study)
     if workflow.is_main_process:
         refuse_all(study)

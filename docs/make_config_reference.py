@@ -1,25 +1,28 @@
-"""Writes docs/config.md from the models of the config:
+"""Writes docs/config.md and config/schema.json from the records of the config:
 
 ./run python docs/make_config_reference.py
 """
 
-from inspect import cleandoc
+from collections.abc import Iterator
+from dataclasses import is_dataclass
+from inspect import getdoc
+from itertools import groupby
 from pathlib import Path
+from typing import get_args
 
 import yaml
 
-from snapmap.applications import gather
-from snapmap.applications.requirements.sections import ShockSection
-from snapmap.config import devices, models, shocks, units
-from snapmap.config.keys import Range
+from snapmap.config.document import OF_SNAKEMAKE, Document
+from snapmap.config.schema import written
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
-from snapmap.device.quantities import KINDS
-from snapmap.solver.options import OPTIONS
+from snapmap.values.fields import hints, rows
+from snapmap.values.kinds import kind_of
+from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
 
 HERE = Path(__file__).parent
-HANDOUT = HERE.parent / "config" / "handout.yaml"
+CONFIG = HERE.parent / "config"
 
 TWO_AXES = """\
 sweep:
@@ -28,7 +31,6 @@ sweep:
   duration: [1 ms]
   C: [25 uN*us/um]
   N: {from: 500, to: 2500, points: 41}
-  horizon: 1 ms
 
 maps:
   - {x: thickness, y: spring}                 # thresholds
@@ -36,64 +38,25 @@ maps:
   - {x: thickness, y: N, at: {spring: 4 N/m}}  # both
 """
 
-MODELS = {
-    "elements": "Hermite elements on the half beam, as in the handout",
-    "cosines": "symmetric cosines",
-    "auto": "the cheapest sufficient number of cosines for each cell",
-    "reference": "the handout's central differences in a plain loop; slow",
-}
-
-OF_VALUES = {
-    "sweep": ("values (`[-5 MPa, 0 MPa, 5 MPa]`)", "the device's own"),
-    "tolerances": (
-        "a standard deviation, as a value or a share, or a mapping of its kind to its width "
-        "(`0.05 um`, `5 %`, `{uniform: 0.2 um}`)",
-        "no scatter",
-    ),
-    "calibration.unknowns": ("a pair of values: its range (`[1.7 um, 2.3 um]`)", "it is known"),
-    "each of histories": ("a value (`1.9 um`)", "the device's own"),
-}
-"""What a section has for each value of the device: what, with an example; if left out."""
-KIND = [*(kind.name for kind in KINDS.values()), "a whole number", "a number"]
-LINKS = {
-    "laws for `reference`": "[laws](own-physics.md#in-a-config) for `reference`",
-    "three laws": "[three laws](applications/laws.md)",
-}
-SECTIONS = {
-    "": models.Document,
-    "device": devices.DeviceSection,
-    "device.beam": devices.BeamSection,
-    "device.beam.shape": devices.ShapeSection,
-    "device.beam.clamp": devices.ClampSection,
-    "device.stops": devices.StopsSection,
-    "device.thermal": devices.ThermalSection,
-    "device.strength": devices.StrengthSection,
-    "model": models.ModelSection,
-    "pulse": shocks.PulseSection,
-    "each of pulse.train": shocks.Blow,
-    "pulse.drop": shocks.Drop,
-    "sweep": models.SweepSection,
-    "an axis given as a range": Range,
-    "each of maps": models.MapSection,
-    "each of thresholds": models.LinesSection,
-}
-for sections in gather("described").values():
-    SECTIONS |= sections
-
 PAGE = """\
 # The config, key by key
 
 With this page you can look up every key of a config, with its unit, range and default. A config is
 a YAML file of one mapping, such as [the handout's](../config/handout.yaml) or
-[the tutorial's](../config/sensor.yaml).
+[the tutorial's](../config/sensor.yaml). An editor with a language server for YAML shows the same
+and marks mistakes, if the first line names [the schema](../config/schema.json), as in those files;
+`snapmap init` writes both.
 
-A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`. A number is
-above 0 unless its line or example says otherwise; in µm, ng, µs and Hz it is from {least:g} to
-{most:g}. `snapmap check FILE` names each mistake in one line. Examples are in brackets. An axis is
-a list or a [range](#an-axis-given-as-a-range). Files are in the study's folder. Axes and tolerances
-vary `C` and `damping`, not a `quality_factor`.
+A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`; in µm, ng, µs
+and Hz it is from {least:g} to {most:g}. `snapmap check FILE` names each mistake in one line. Files
+are in the study's folder. Axes and tolerances vary `C` and `damping`, not a `quality_factor`.
 
 {sections}
+
+## An axis given as a range
+
+`{{from: 100 Hz, to: 30 kHz, points: 31, spacing: log}}` has both ends and is `linear` without
+`spacing`. An axis is such a range or a list.
 
 ## Limits
 
@@ -105,101 +68,97 @@ from others.
 ## Values of the device as axes
 
 Values of the device under `sweep` are axes of all products, in the order of the config, followed by
-`shape`, `direction`, C, f0 and N. Several devices, by name, are the first axis; in YAML,
+`shape`, `direction`, C, f0 and N. They are {values}.
+Several devices, by name, are the first axis; in YAML,
 `softer: {{<<: *first, spring: 3 N/m}}` repeats a device marked `&first` with another spring. A
-point without a second stable shape is refused, or with `not_bistable: skip` marked `absent`.
+point without a second stable shape is refused, or with `skip: true` marked `absent`.
 
 ```yaml
 {two_axes}```
 """
 
-SAID_ABOVE = (
-    "a list or a range {from, to, points, spacing}, each ",
-    " in the study's folder",
-    " above 0",
-    "a mapping: ",
-    "the path of ",
-    "true or false: ",
-)
-"""What the page says once, or shows."""
-
 
 def reference() -> str:
     """The text of docs/config.md."""
-    document = yaml.safe_load(HANDOUT.read_text(encoding="utf-8"))
+    document = yaml.safe_load((CONFIG / "handout.yaml").read_text(encoding="utf-8"))
     load_config(document | yaml.safe_load(TWO_AXES))
     return PAGE.format(
-        least=units.LEAST,
-        most=units.MOST,
-        sections="\n\n".join(_sections()),
+        least=LEAST,
+        most=MOST,
+        sections="\n\n".join(_sections("all sections", [Document], set())),
         cells=plan.MOST_CELLS,
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
+        values=", ".join(f"`{key}`" for key in VALUES),
         two_axes=TWO_AXES,
     )
 
 
-def _sections():
-    """Tables of keys; a row for the device's values, those of an earlier section, those alike."""
-    before, of_sweep = set(), []
-    for name, section in SECTIONS.items():
-        title = f"`{name}`" if name and " " not in name else name.capitalize() or "All sections"
-        first, _, more = cleandoc(section.__doc__).partition("\n\n")
-        lines = [f"## {title}", "", *([more, ""] if more else [first, ""] * ("`" not in title))]
-        keys = {field.alias or key: field for key, field in section.model_fields.items()}
-        values = [key for key in keys if key in VALUES] if name in OF_VALUES else []
-        again, rows = [], {}
-        for key in [key for key in keys if key not in values]:
-            shown = keys[key].json_schema_extra
-            row = _shorter(keys[key].description), shown["left_out"]
-            if (key, *row) in before:
-                again.append(key)
-            else:
-                rows.setdefault(row, {})[key] = shown["example"]
-            before.add((key, *row))
-        for (what, left_out), of in rows.items():
-            examples = _listed(filter(None, dict.fromkeys(of.values())))
-            what += f" ({examples})" * bool(examples)
-            lines.append(_row(_listed(of), what, left_out))
-        if again:
-            shock = ShockSection.model_fields.keys() <= {*again}
-            lines.append(f"- {'keys of other requirements' if shock else _listed(again)}: as above")
-        of_sweep = of_sweep or values
-        if values:
-            less = [key for key in of_sweep if key not in values]
-            these = f"those of `sweep`{' but ' + _listed(less) if less else ''}"
-            lines.append(_row(_listed(values) if values is of_sweep else these, *OF_VALUES[name]))
-        yield "\n".join([*lines, *(_options() if name == "model" else [])])
+def _sections(name: str, made: list[type], seen: set[type]) -> Iterator[str]:
+    """Yield the section of a key, which is one of some records, and those of the keys in it."""
+    seen |= {*made}
+    yield f"## {_title(name)}"
+    for one in made:
+        text = getdoc(one).partition("\n\nParameters\n")[0]
+        first, _, more = text.partition("\n\n")
+        head = [f"### {first.rstrip('.')}"] + [more] * bool(more) if made[1:] else [text]
+        shown = {key for base in one.__mro__[1:] if base in made for key in hints(base)}
+        yield "\n\n".join([*head, "\n".join(_table(one, {*shown, OF_SNAKEMAKE}))])
+        if shown:
+            yield "Other keys are those above."
+    for key, hint in ((key, hint) for one in made for key, hint in hints(one).items()):
+        if (nested := _records(hint)) and not seen.issuperset(nested):
+            inner = f"{name}.{key}".removeprefix("all sections.")
+            yield from _sections(
+                f"each of {inner}" if "list[" in str(hint) else inner, nested, seen
+            )
 
 
-def _shorter(description):
-    """What it is, with its bounds; the example shows the kind."""
-    for words in SAID_ABOVE:
-        description = description.replace(words, "")
-    for words, link in LINKS.items():
-        description = description.replace(words, link)
-    need, _, what = description.partition(": ")
-    kind = next((kind for kind in KIND if need.startswith(kind)), "")
-    if not (kind and what):
-        return description
-    head, *more = what.split("; ")
-    bounds = need.removeprefix(kind).removeprefix(" and").partition(",")[0].strip()
-    return "; ".join([", ".join(filter(None, [head, bounds])), *more])
+def _title(name: str) -> str:
+    return name.capitalize() if " " in name else f"`{name}`"
 
 
-def _row(keys, what, left_out):
-    default = left_out if left_out.startswith("required") else f"default: {left_out}"
-    return f"- {keys}: {what}; {default}"
+def _records(hint: object) -> list[type]:
+    """Find the records in an annotation."""
+    if is_dataclass(hint):
+        return [hint]
+    kind = kind_of(hint)
+    return [*kind.records] if kind else [one for part in get_args(hint) for one in _records(part)]
 
 
-def _listed(keys):
-    return ", ".join(f"`{key}`" for key in keys)
+def _table(made: type, left_out: set[str]) -> Iterator[str]:
+    """Yield the lines of a table of keys; keys of which the same is said have one line."""
+    yield "| Key | Meaning | Value | Default |"
+    yield "|---|---|---|---|"
+    shown = [row for row in rows(made) if row.key not in left_out]
+    for (what, _), group in groupby(shown, lambda row: (row.what, row.default)):
+        row, *others = group
+        keys, hint = [row.key, *(other.key for other in others)], hints(made)[row.key]
+        value, example = "" if _records(hint) else row.need, getattr(kind_of(hint), "example", "")
+        if others and value:
+            value, example = "of its kind", ""
+        value += f", `{example}`" * bool(example)
+        needed = row.required or get_args(hint) == (row.default,)
+        yield f"| {_listed(keys)} | {what} | {value} | {_default(row.default, needed)} |"
 
 
-def _options():
-    rows = [f"- `{name}`, with {_listed(keys)}: {MODELS[name]}" for name, keys in OPTIONS.items()]
-    return ["", "Each name has its own options:", "", *rows]
+def _listed(keys: list[str]) -> str:
+    """List keys; those of nearly all values of the device have a name."""
+    less, more = [key for key in VALUES if key not in keys], [k for k in keys if k not in VALUES]
+    if len(less) > 1:
+        return ", ".join(f"`{key}`" for key in keys)
+    but = "".join(f" but `{key}`" for key in less)
+    of_device = f"each [value of the device](#values-of-the-device-as-axes){but}"
+    return ", ".join([of_device, *(f"`{key}`" for key in more)])
+
+
+def _default(default: object, needed: bool) -> str:
+    if needed or default is None:
+        return "required" if needed else ""
+    text = f"{default:g}" if isinstance(default, float) else str(default)
+    return f"`{text.lower() if isinstance(default, bool) else text}`"
 
 
 if __name__ == "__main__":
     (HERE / "config.md").write_text(reference(), encoding="utf-8")
+    (CONFIG / "schema.json").write_text(written(), encoding="utf-8")

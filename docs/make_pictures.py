@@ -70,12 +70,10 @@ def reduce_colours(source: Path, target: Path) -> None:
 def snaps():
     """The cells of config.yaml at one C, and the thresholds over them."""
     study = load_config(read_document(ROOT / "config" / "config.yaml"))
-    asked = {"C": [C], "horizon": study.settings.horizon, "threads": 2}
-    cells = snapmap.sweep(
-        study.device, study.axes["N"], study.axes["f0"], model="auto", until="snap", **asked
-    )
+    asked = snapmap.Study(study.device, run=study.run.but(threads=2))
+    cells = snapmap.sweep(asked, study.axes["N"], study.axes["f0"], [C])
     fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
-    edges = snapmap.threshold(study.device, fine, **asked)
+    edges = snapmap.threshold(asked, fine, [C])
     return cells.squeeze("C"), edges.squeeze("C")
 
 
@@ -83,9 +81,9 @@ def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
     """Draw the midpoint over time, with an example of a law and without."""
     device = snapmap.load_device(ROOT / "config" / "config.yaml")
     path = ROOT / "examples" / "laws" / f"{law}.py"
-    lawful = {"name": "reference", "laws": load_laws(str(path))}
+    lawful = load_laws(str(path))
     for model, colour, words in (("reference", "0.6", "without"), (lawful, "C5", "with the law")):
-        run = snapmap.simulate(device, N, 1500.0, C, model=model, horizon=0.0)
+        run = snapmap.simulate(snapmap.Study(device, model, run={"horizon": 0}), N, 1500.0, C)
         ax.plot(run.time, run.w_mid, color=colour, label=words)
     ax.set(title=f"{law.replace('_', ' ')}, N = {N:g}", xlabel="time (µs)", xlim=(0, 667))
     ax.set_ylabel("midpoint (µm)")

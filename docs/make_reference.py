@@ -5,53 +5,30 @@
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Iterator
-from itertools import groupby
+from collections.abc import Callable
 from pathlib import Path
 
 import snapmap
-from snapmap.device.device import Beam, Device
-from snapmap.pulse.pulse import Pulse
 from snapmap.study.variables import variables
 
 PAGE = """\
 # The functions, one by one
 
-With this page you can look up every function of `snapmap`, its arguments and what it returns. Units
-are um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us; frequencies are in Hz, N in
-multiples of g, the `gravity` of the device, C in uN us/um, temperatures in degC, thermal
-coefficients in 1/K. Objects with units (pint, astropy, unyt) are refused, and variables of xarray
-whose `units` are others.
-Examples with a `device` begin with
+With this page you can look up every function and class of `snapmap`; `help(snapmap.threshold)`
+shows the same. Plain numbers are in um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and
+1/us; frequencies are in Hz, N in multiples of g, the `gravity` of the device, C in uN us/um,
+temperatures in degC, thermal coefficients in 1/K. Text has its unit, as `"600 um"`, and objects
+with units (pint, astropy, unyt, variables of xarray with `units`) are converted. Text of a plain
+number, as `"0.001"`, is taken where a value has no unit.
+
+A wrong value raises ValueError, with a line for each that names it; an argument that is missing or
+unknown raises TypeError. Examples with a `device` begin with
 
 ```pycon
 >>> device = snapmap.load_device("config/config.yaml")
 ```
 
-## Shared arguments and options
-
-Several functions take these; each names its options. A wrong argument raises ValueError or
-TypeError with one line that names it. `calibrate`, `design` and `simulate` take a single device, N,
-f0, C, shape and direction; the others take several as axes, `srs_test` only one direction.
-
-- `device`: a Device, or several by name; `load_device` reads one
-- `N`: amplitude of the shock, from 0
-- `f0`: 1/duration of the shock, above 0; None for a recorded shock
-- `C`: damping coefficient of the mass, from 0
-- `model = "auto"`: a name, or a mapping of name and options, such as `reference` makes
-- `horizon = 1500`: time followed after the pulse, from 0, us
-- `energy_tolerance = 1e-3`: largest residual of the energy ledger over the pulse's work
-- `threads = 1`: number of threads, at most 1024, which change no result
-- `start = "first"`: shape in which the beam rests at first, or "second"
-- `until = "settled"`: a run ends when it has settled in a well; "snap": or at its snap
-- `repeat = True`: whether each cell runs again with another step; False if `until="snap"`
-- `pulse = "versed sine"`: that, "half sine", "sawtooth", "trapezoid", or a Pulse
-- `direction = "+z"`: +z presses the mass on the beam; others are "-z" and "both"
-- `skip = False`: whether a device without a second stable shape is `absent`, not refused
-- device axes: values of the device, such as `thickness=[1.9, 2.0]`, in internal units
-- model options: [as in the config](config.md#model)
-
-{functions}
+{sections}
 
 ## The cube
 
@@ -59,13 +36,13 @@ Its dimensions are axes of the device, `shape` and `direction` if several, C, f0
 device's slice equals a run of that device alone, bit for bit. A cell *snaps* when the midpoint
 first reaches the second equilibrium. With `start: second` the shapes change places.
 
-Words of `outcome`:
+Words of `outcome`, whose codes are in its attributes:
 
 - `never`, `latched`, `returned`: the run has settled: by its energy it stays for ever in the first 
   shape without a snap, in the second, or back in the first; another step may end elsewhere
 - `unsnapped`, `snapped`: its state at the horizon; its future is open
 - `failed`: the run diverged, or its energy ledger did not close
-- `absent`: it has no second stable shape (`not_bistable: skip`)
+- `absent`: it has no second stable shape (`skip: true`)
 
 Variables beside `outcome`:
 
@@ -89,93 +66,64 @@ Variables beside `outcome`:
 Attributes hold the config, versions of code and packages, shares of settled and open cells, the
 numbers of cells that end elsewhere with another step and, estimated, of wrong labels.
 
-## The classes
+## The history
 
-{values}
+Variables of `simulate` over `time` (us), or without dimension: {history}.
 """
 
-RETURNED = {
-    "sweep": "[The cube](#the-cube) lists the variables.",
-    "threshold": "[Thresholds](thresholds.md) explains the variables.",
-}
-EXAMPLES = {
-    "calibrate": "applications/calibration",
-    "design": "applications/design",
-    "plot_outcome": "own-physics",
-    "read_pulse": "recipes",
-    "reference": "own-physics",
-    "srs_test": "applications/spectra",
-    "statics": "applications/statics",
-    "tolerance": "applications/tolerances",
-    "vibration": "applications/spectra",
-}
-"""Another page that has an example of a function."""
 DEVICE = '>>> device = snapmap.load_device("config/config.yaml")\n'
 """The first line of examples, which the page has once."""
-MODULES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
+ADDRESSES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
+HEADING = re.compile(r"\n\n(\w+)\n-{3,}\n")
 
 
 def reference() -> str:
     """The text of docs/reference.md."""
     public = {name: getattr(snapmap, name) for name in snapmap.__all__}
-    functions = {name: what for name, what in public.items() if not isinstance(what, type)}
-    values = {kind.__name__: kind for kind in (Device, Beam, Pulse)}
-    return PAGE.format(
-        functions="\n\n".join(_section("##", name, what) for name, what in functions.items()),
-        values="\n\n".join(_section("###", name, what) for name, what in values.items()),
-    )
+    sections = (_section(name, what) for name, what in public.items())
+    return PAGE.format(sections="\n\n".join(sections), history=_history())
 
 
-def _section(level: str, name: str, described: Callable) -> str:
-    text, _, example = inspect.getdoc(described).replace(DEVICE, "").partition("\n\n>>> ")
-    parts = [f"{level} `{name}`"]
-    parts += [_signature(described)] if inspect.isfunction(described) else []
-    parts += _paragraphs(text, inspect.signature(described).parameters)
-    parts += [RETURNED[name]] if name in RETURNED else []
-    parts += [_variables()] if name == "simulate" else []
-    if page := EXAMPLES.get(name):
-        parts.append(f"Example: [{Path(page).name}]({page}.md).")
-    elif example:
-        parts.append(f"```pycon\n>>> {example}\n```")
-    return "\n\n".join(parts)
+def _section(name: str, described: Callable) -> str:
+    """Its signature and the sections of its docstring."""
+    head, *parts = HEADING.split(inspect.getdoc(described))
+    lines = [f"## `{name}`", f"```python\n{_signature(name, described)}\n```", head]
+    for title, text in zip(parts[::2], parts[1::2], strict=True):
+        lines.append(f"**{title}**")
+        is_code = title == "Examples"
+        lines.append(f"```pycon\n{text.replace(DEVICE, '')}\n```" if is_code else _entries(text))
+    return "\n\n".join(lines)
 
 
-def _variables() -> str:
+def _entries(text: str) -> str:
+    """Make a list of the entries of a section of numpydoc."""
+    entries = (entry.partition("\n") for entry in re.split(r"\n(?! )", text))
+    return "\n".join(f"- {_code(head)}: {' '.join(body.split())}" for head, _, body in entries)
+
+
+def _code(head: str) -> str:
+    names, _, kind = head.partition(" : ")
+    return f"`{names}`" + f" ({kind})" * bool(kind)
+
+
+def _signature(name: str, described: Callable) -> str:
+    """Parameters and defaults; what a function returns."""
+    signature = inspect.signature(described)
+    bare = [part.replace(annotation=part.empty) for part in signature.parameters.values()]
+    called = signature.replace(parameters=bare, return_annotation=signature.empty)
+    returned = ADDRESSES.sub("", inspect.formatannotation(signature.return_annotation))
+    is_class = isinstance(described, type)
+    text = f"class {name}{called}" if is_class else f"{name}{called} -> {returned}"
+    return text.replace("'", '"')
+
+
+def _history() -> str:
     """Which variable of a history has which unit."""
-    units = {}
+    units: dict[str, list[str]] = {}
     for key, about in variables("history").items():
         if key not in ("", "time"):
-            units.setdefault(about["units"], []).append(f"`{key}`")
-    listed = "; ".join(f"{', '.join(of)} ({unit})" for unit, of in units.items())
-    return f"Variables over `time` (us): {listed}."
-
-
-def _signature(function: Callable) -> str:
-    """Its parameters and defaults, with the name of what it returns."""
-    signature = inspect.signature(function)
-    bare = [part.replace(annotation=part.empty) for part in signature.parameters.values()]
-    parameters = str(signature.replace(parameters=bare, return_annotation=signature.empty))
-    returned = MODULES.sub("", inspect.formatannotation(signature.return_annotation))
-    code = f"{function.__name__}{parameters} -> {returned}".replace("'", '"')
-    return f"```python\n{code}\n```"
-
-
-def _paragraphs(text: str, names: Collection[str]) -> Iterator[str]:
-    """Those of a docstring; lines that begin with the names of parameters become a list."""
-    name = rf"(?:{'|'.join(names)})(?: \([^)]+\))?"
-    entry = rf"{name}(?:, {name})*: "
-    lines = re.sub(r"\n {4,}", " ", text).splitlines()
-    for is_entry, group in groupby(lines, key=lambda line: bool(re.match(entry, line))):
-        if is_entry:
-            items = [item for line in group for item in re.split(f"; (?={entry})", line)]
-            yield "\n".join(f"- {_code_in_head(item, names)}" for item in items)
-        else:
-            yield "\n".join(group).strip()
-
-
-def _code_in_head(item, names):
-    head, _, body = item.partition(": ")
-    return re.sub(rf"\b({'|'.join(names)})\b", r"`\1`", head) + f": {body}"
+            units.setdefault(about.get("units", "a code"), []).append(f"`{key}`")
+    return "; ".join(f"{', '.join(of)} ({unit})" for unit, of in units.items())
 
 
 if __name__ == "__main__":

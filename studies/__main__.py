@@ -5,7 +5,7 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "speed", "laws", "impacts"),
+    *("validation", "speed", "laws", "laws_speed", "impacts"),
 )
 
 

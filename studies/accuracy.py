@@ -22,7 +22,8 @@ from snapmap.files.text import DASH, table
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.options import Cosines, Elements, Reference
+from snapmap.solver.settings import Run
 
 from .common import (
     command_device,
@@ -44,10 +45,10 @@ F0_COUNT, DAMPINGS = 20, (0.05, 0.2, 0.8)
 FACTORS = (4.0, 2.0, 1.0, 0.5, 0.25)
 """Time steps, over the default steps of thresholds."""
 MODELS = {
-    "3 cosines": {"name": "cosines", "modes": 3},
-    "5 cosines": {"name": "cosines", "modes": 5},
-    "11 cosines": {"name": "cosines", "modes": 11},
-    "5 elements": {"name": "elements"},
+    "3 cosines": Cosines(modes=3),
+    "5 cosines": Cosines(modes=5),
+    "11 cosines": Cosines(modes=11),
+    "5 elements": Elements(),
 }
 HANDOUT, PLAIN = "5 elements", "plain loop, 5 elements"
 REFERENCE, COARSER = 16, 12
@@ -63,7 +64,7 @@ STRIDE, FEWER = 6, 30
 """Strides through the posed rows for the plain loop and for SciPy. SciPy skips slow pulses, as a
 cell takes it half a minute there, against seconds for a fast pulse."""
 ROUNDS = 3
-SETTINGS = Settings(until="edge", repeat=False)
+SETTINGS = Run(repeat=False).but(until="edge")
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
 LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
 LOOKS |= {"SciPy DOP853": ("0.4", "X")}
@@ -143,13 +144,13 @@ def entries(device: Device) -> Iterator[Entry]:
     for factor in ladder:
         levels = build_adaptive(device).with_step(factor)
         yield Entry("auto", f"{factor:g}", by_model(levels.top), by_model(levels))
-    for name, options in few(MODELS, 2).items():
+    for name, chosen in few(MODELS, 2).items():
         for factor in ladder:
-            follow = by_model(build_model(device, **options).with_step(factor))
+            follow = by_model(build_model(device, chosen).with_step(factor))
             yield Entry(name, f"{factor:g}", follow, follow)
-    plain = by_model(build_model(device, "reference"))
+    plain = by_model(build_model(device, Reference()))
     yield Entry(PLAIN, "0.8 of its limit", plain, plain, STRIDE)
-    modal = build_model(device, "elements").modal
+    modal = build_model(device, Elements()).modal
     follow = flattened(by_scipy(device, modal, "DOP853"))
     yield Entry("SciPy DOP853", f"{TOLERANCE:g}", follow, follow, FEWER, ("fast",))
 
@@ -195,7 +196,7 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
     near = Posed(rows.f0.values, rows.C.values, rows.N_first.values, np.zeros(rows.row.size))
 
     def refer(modes, factor):
-        model = build_model(device, "cosines", modes=modes).with_step(factor)
+        model = build_model(device, Cosines(modes=modes)).with_step(factor)
         return edge(device, by_model(model), near)
 
     many, fewer = (5, 3) if is_small() else (REFERENCE, COARSER)

@@ -21,7 +21,7 @@ from snapmap.config.devices import read_device
 from snapmap.device.device import Device
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
-from snapmap.thresholds.search import refine
+from snapmap.thresholds.probe import refine
 
 ROOT = Path(__file__).resolve().parents[1]
 SMALL = "--small"
@@ -77,7 +77,7 @@ def threshold_near(ask: Callable, N: np.ndarray, factor: float, tolerance: float
     return refine(ask, *(np.where(is_near, end, np.nan) for end in (low, high)), tolerance)[1]
 
 
-class Run(NamedTuple):
+class Timed(NamedTuple):
     """The result of a task, and its time, s."""
 
     result: Any
@@ -86,7 +86,7 @@ class Run(NamedTuple):
 
 def take_turns(
     tasks: dict, rounds: int, clock: Callable = perf_counter, of_rounds: Callable = min
-) -> dict[Any, Run]:
+) -> dict[Any, Timed]:
     """Run tasks in turns, A B C A B C ..., `rounds` times; by default the shortest time counts."""
     results, times = {}, {name: [] for name in tasks}
     for _ in range(rounds):
@@ -94,7 +94,7 @@ def take_turns(
             start = clock()
             results[name] = task()
             times[name].append(clock() - start)
-    return {name: Run(result, of_rounds(times[name])) for name, result in results.items()}
+    return {name: Timed(result, of_rounds(times[name])) for name, result in results.items()}
 
 
 def cpu_seconds(task: Callable, rounds: int) -> float:

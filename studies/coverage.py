@@ -12,17 +12,19 @@ from time import perf_counter
 
 import numpy as np
 
-from snapmap import threshold
+from snapmap import Study, threshold
 from snapmap.device.device import Device
 from snapmap.files.text import table
 from snapmap.pulse.shocks import HANDOUT_SHOCK, Shocks
-from snapmap.solver.cells import Rows, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
-from snapmap.thresholds.survey import CLOSE_STEP, FOUND, NOT_FOLLOWED, NOTHING_SNAPS
+from snapmap.solver.options import Auto, Cosines, Elements
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
+from snapmap.thresholds.search import CLOSE_STEP
+from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
-from .common import SMALL, Run, few, number
+from .common import SMALL, Timed, few, number
 from .random_devices import (
     FREQUENCIES,
     SLOWEST,
@@ -35,14 +37,11 @@ from .random_devices import (
 SEED, DEVICES, THREADS = 53, 24, 2
 KEYS = "N_first", "N_error", "status", "ragged"
 MODELS = {
-    "auto": {"model": "auto"},
-    "5 elements": {"model": "elements"},
-    "5 cosines": {"model": "cosines", "modes": 5},
+    "auto": Auto(),
+    "5 elements": Elements(),
+    "5 cosines": Cosines(modes=5),
 }
-JUDGES = (
-    {"name": "cosines", "modes": 16},
-    {"name": "elements", "elements": 20, "modes": 12},
-)
+JUDGES = Cosines(modes=16), Elements(elements=20, modes=12)
 JUDGED_STEP = 0.2
 """The judges are two far finer discretisations in a fifth of the default steps. A threshold on
 which they agree is well posed."""
@@ -73,7 +72,7 @@ def main():
         f0 = f0[~is_long]
         if not f0.size:
             continue
-        runs = {name: ask(device, f0, C, options, shocks) for name, options in models.items()}
+        runs = {name: ask(device, f0, C, chosen, shocks) for name, chosen in models.items()}
         about = next(run.result[0] for run in runs.values() if run.result)
         truth = judge(device, f0, C, about, shocks)
         for name, run in runs.items():
@@ -88,29 +87,29 @@ def draw_rows(draw: np.random.Generator, of_all: bool = False) -> tuple:
     shocks = draw_pulse(draw) if of_all else HANDOUT_SHOCK
     slowest = SLOWEST if of_all else FREQUENCIES[0]
     f0, C = (np.array(few(a)) for a in draw_shocks(draw, device, (slowest, FREQUENCIES[1])))
-    model = build_model(device, **JUDGES[0]).with_step(JUDGED_STEP)
+    model = build_model(device, JUDGES[0]).with_step(JUDGED_STEP)
     cells = to_rows(0, f0, 0.0, 0, shocks.pulses).cells(device, 1.0, HORIZON).flat()
-    steps = cells.t_end / model.time_steps(cells, Settings(until="edge"))
+    steps = cells.t_end / model.time_steps(cells, Run().but(until="edge"))
     return device, shocks, f0, C, steps > MOST_STEPS
 
 
-def is_clean(run: Run) -> np.ndarray:
+def is_clean(run: Timed) -> np.ndarray:
     """Return a mask of the rows that have a threshold and are not ragged, (thresholds,)."""
     N, _, _, ragged = run.result
     return np.isfinite(N) & (ragged == 0)
 
 
-def ask(device: Device, f0, C, options, shocks: Shocks = HANDOUT_SHOCK) -> Run:
+def ask(device: Device, f0, C, chosen, shocks: Shocks = HANDOUT_SHOCK) -> Timed:
     """Find N_first, N_error, status and ragged, (thresholds,), or None after a ValueError."""
-    how = {"pulse": shocks.pulse, "direction": shocks.direction, "threads": THREADS}
+    study = Study(device, chosen, run=Run(HORIZON, threads=THREADS)).under(shocks)
     begin = perf_counter()
     try:
-        answer = threshold(device, f0, C, horizon=HORIZON, **how, **options)
+        answer = threshold(study, f0, C)
         answer = tuple(answer[key].values.ravel() for key in KEYS)
     except ValueError as error:
         print(f"{device}: {error}")
         answer = None
-    return Run(answer, perf_counter() - begin)
+    return Timed(answer, perf_counter() - begin)
 
 
 def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.ndarray:
@@ -119,20 +118,20 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     about: thresholds near which they search
     """
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
-    settings = Settings(HORIZON, threads=THREADS)
-    judges = [build_model(device, **options).with_step(JUDGED_STEP) for options in JUDGES]
-    by_judge = [look(model, rows, about, settings) for model in judges]
+    settings = Run(HORIZON, threads=THREADS)
+    judges = [build_model(device, chosen).with_step(JUDGED_STEP) for chosen in JUDGES]
+    by_judge = [look(Probe(model, rows, settings), about) for model in judges]
     mean = np.mean(by_judge, axis=0)
     return np.where(np.ptp(by_judge, axis=0) <= AGREED * mean, mean, np.nan)
 
 
-def look(model, rows: Rows, about, settings: Settings) -> np.ndarray:
+def look(probe: Probe, about: np.ndarray) -> np.ndarray:
     """Find thresholds by one judge, (thresholds,); NaN if there is none within REACHES."""
     N = np.full(about.size, np.nan)
     for reach in REACHES:
         left = np.flatnonzero(np.isnan(N))
         bracket = about[left] / reach, about[left] * reach
-        N[left] = lowest_snap(model, rows.take(left), bracket, settings, REFINED, WIDTH)
+        N[left] = lowest_snap(probe.take(left), bracket, REFINED, WIDTH)
     return N
 
 

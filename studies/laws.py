@@ -13,8 +13,9 @@ from snapmap.files.text import table
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import HANDOUT_PULSES, Rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.slow import growth_rate, slow_factor
 
 from .common import few, number
@@ -24,7 +25,7 @@ SEED, DEVICES = 55, 100
 RATIOS = {0.02: 2e-3, 0.05: 1e-2, 0.1: 3e-2}
 """Values of pi f0 / sigma, each with the relative distance from the law to search thresholds."""
 PARTS, TOLERANCE, WITHIN = 8, 2e-6, (1e-4, 1e-3, 1e-2)
-MODEL, STEP = {"name": "cosines", "modes": 11}, 0.5
+MODEL, STEP = Cosines(modes=11), 0.5
 """The model, and its steps over the default ones."""
 DAMPING = 0.02
 """C over sqrt(K M)."""
@@ -66,9 +67,9 @@ def _row(devices, ratio, reach):
     f0 = ratio * rate / math.pi
     law = static * slow_factor(make_pulse(), rate / f0)
     rows = Rows(every, 1e6 * f0, C, 0 * every, HANDOUT_PULSES)
-    model = build_model(devices, **MODEL).with_step(STEP)
+    model = build_model(devices, MODEL).with_step(STEP)
     bracket = law * (1 - reach), law * (1 + reach)
-    N = lowest_snap(model, rows, bracket, Settings(), TOLERANCE, reach / PARTS)
+    N = lowest_snap(Probe(model, rows, Run()), bracket, TOLERANCE, reach / PARTS)
     excess, error = (N / static - 1) / (law / static - 1), abs(N / law - 1)
     shares = (f"{np.mean(error <= share):.0%}" for share in WITHIN)
     known = np.isfinite(N)

@@ -15,9 +15,10 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.files.text import table
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.outcome import REPEATED_STEP, t_snap_error, work_error
-from snapmap.solver.settings import MOVE, Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.settings import MOVE, Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, few, number, stepped
 from .random_devices import draw_pulse, draw_shocks, draw_widest_device, even
@@ -25,14 +26,14 @@ from .random_devices import draw_pulse, draw_shocks, draw_widest_device, even
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
 CONTACTS = (40.0, 400.0, np.inf)
 MODELS = {
-    "3 cosines": {"name": "cosines", "modes": 3},
-    "5 cosines": {"name": "cosines", "modes": 5},
-    "7 cosines": {"name": "cosines", "modes": 7},
-    "5 elements": {"name": "elements"},
+    "3 cosines": Cosines(modes=3),
+    "5 cosines": Cosines(modes=5),
+    "7 cosines": Cosines(modes=7),
+    "5 elements": Elements(),
 }
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """Name of the reference, its step, and another step that shows its error, us."""
-SETTINGS = Settings(horizon=1000.0)
+SETTINGS = Run(horizon=1000.0)
 SPREAD = ["work: median", "third quartile", "largest"]
 HEAD = ["contact, N/m", "model", "step, us", *SPREAD, "t_snap, us", "highest z, um"]
 HEAD += ["reported: median", "third quartile", "largest"]
@@ -63,7 +64,7 @@ def main():
     rows = []
     for contact in few(CONTACTS):
         held = replace(device, contact=contact)
-        models = {name: build_model(held, **options) for name, options in few(MODELS, 3).items()}
+        models = {name: build_model(held, chosen) for name, chosen in few(MODELS, 3).items()}
         finest = follow(stepped(models[FINEST], FINE))
         models[FINEST + ", fine"] = stepped(models[FINEST], OTHER)
         for name, model in models.items():
@@ -83,7 +84,7 @@ def cells_of(device):
 def follow(model):
     """Follow the cells with the default step of the model."""
     cells = cells_of(model.device)
-    observed = model.follow_once(cells, SETTINGS._replace(until="moved"))
+    observed = model.follow_once(cells, SETTINGS.but(until="moved"))
     dt = model.steps.of(cells, MOVE)
     steps = np.ceil(cells.t_end / dt).astype(int)
     shocks = zip(*cells[2:5], dt, steps, strict=True)
@@ -135,10 +136,10 @@ def judged(draw, modes):
     f0, C = np.meshgrid(*draw_shocks(draw, device))
     if device.beam.free and modes > 5:
         return np.empty((5, 0))
-    settings = Settings(horizon=2 * np.pi / device.own_frequency, until="moved", repeat=False)
-    model, rows = build_model(device, "cosines", modes=modes), to_rows(0, f0, C, 0, shocks.pulses)
+    settings = Run(2 * np.pi / device.own_frequency, repeat=False).but(until="moved")
+    model, rows = build_model(device, Cosines(modes=modes)), to_rows(0, f0, C, 0, shocks.pulses)
     bracket = tuple(reach * float(static_threshold(device)) for reach in REACHES)
-    found = lowest_snap(model, rows, bracket, settings, CLOSE, COARSE)
+    found = lowest_snap(Probe(model, rows, settings), bracket, CLOSE, COARSE)
     N = found * [1 + even(draw, *ABOVE) for _ in found]
     known = np.isfinite(N)
     cells = rows.take(known).cells(device, N[known, np.newaxis], settings.horizon).flat()

@@ -20,17 +20,18 @@ from snapmap.device.device import Device
 from snapmap.files.text import DASH, table
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.options import Cosines, Elements, Reference
+from snapmap.solver.settings import Run
 
 from .common import ROOT, command_device, few, machine, number, rate, ratio, take_turns, versions
 from .scipy_solver import Follow, by_scipy
 
-SETTINGS = Settings(1500.0, until="snap", repeat=False)
+SETTINGS = Run(1500.0, until="snap", repeat=False)
 SIDE, FEWEST, DAMPING, ROUNDS = 16, 4, 0.025, 5
 N_RANGE, F0_RANGE = (600.0, 2400.0), (300.0, 20e3)
 PLAIN, HANDOUT = "reference (plain loop)", "5 elements (9 modes)"
-MODELS = {PLAIN: {"name": "reference"}, HANDOUT: {"name": "elements"}}
-MODELS |= {f"cosines, {n} modes": {"name": "cosines", "modes": n} for n in (3, 5, 11)}
+MODELS = {PLAIN: Reference(), HANDOUT: Elements()}
+MODELS |= {f"cosines, {n} modes": Cosines(modes=n) for n in (3, 5, 11)}
 FEW = slice(4, None, 29)
 """Nine cells for SciPy, spread over the map."""
 COUNTS = 1_000, 100_000, 1_000_000
@@ -70,7 +71,7 @@ def by_model(model: Model) -> Follow:
 def by_everyone(device: Device) -> list[list[str]]:
     """Make a row for each model and for SciPy."""
     cells, tasks = map_cells(device), {}
-    models = {name: build_model(device, **options) for name, options in few(MODELS, 3).items()}
+    models = {name: build_model(device, chosen) for name, chosen in few(MODELS, 3).items()}
     for name, model in models.items():
         tasks[name] = partial(by_model(without_settling(model)), cells)
         tasks[name, "settled"] = partial(by_model(model), cells)
@@ -103,12 +104,12 @@ def count_steps(model: Model, cells: Cells, t_snap: np.ndarray) -> float:
 
 def by_threads(device: Device) -> list[list[str]]:
     """Make rows for numbers of random cells, on one thread and on two."""
-    model, rows = build_model(device, "cosines", modes=5), []
+    model, rows = build_model(device, Cosines(modes=5)), []
     for count in few(COUNTS):
         draw = np.random.default_rng(count)
         N, f0 = draw.uniform(*N_RANGE, count), np.exp(draw.uniform(*np.log(F0_RANGE), count))
         cells = to_cells(device, 0, N, f0, DAMPING, SETTINGS.horizon)
-        tasks = {n: partial(model.follow, cells, SETTINGS._replace(threads=n)) for n in (1, 2)}
+        tasks = {n: partial(model.follow, cells, SETTINGS.but(threads=n)) for n in (1, 2)}
         times = [run.seconds for run in take_turns(tasks, min(5, 10**6 // count)).values()]
         rates = (rate(count, seconds) for seconds in times)
         rows.append([number(count), *rates, ratio(times[0] / times[1])])

@@ -17,10 +17,11 @@ from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import EDGE, SNAP, STAY, Settings
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import EDGE, SNAP, STAY, Run
 from snapmap.solver.steps import LONGEST
-from snapmap.thresholds.search import SCAN_STEP, amplitudes, asker
-from snapmap.thresholds.survey import first_seen, scan_range
+from snapmap.thresholds.probe import Probe
+from snapmap.thresholds.search import scan_upwards
 
 from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
@@ -98,7 +99,7 @@ def edges():
         errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
     device = load_device(ROOT / "config" / "config.yaml")
     rows = to_rows(0, few(F0), C[:, np.newaxis])
-    of_handout = errors_of_rows(device, rows, Settings(threads=THREADS))
+    of_handout = errors_of_rows(device, rows, Run(threads=THREADS))
     of_random = np.concatenate(errors, axis=1)
     for name, random, handout in zip(few(RULES), of_random, of_handout, strict=True):
         yield [name, *_spread(random), *_spread(handout)[:-1]]
@@ -136,30 +137,29 @@ def _spread(errors):
 
 def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PULSE, rules=RULES):
     """Find relative errors of the well-posed thresholds of a random device, (rules, rows)."""
-    model = build_model(batch([device]), "cosines", modes=COSINES)
+    model = build_model(batch([device]), Cosines(modes=COSINES))
     f0, C = draw_shocks(draw, device, frequencies)
     arch = LONGEST[SNAP] / model.steps.longest[SNAP].item()
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Settings(horizon, threads=THREADS), rules)
+    return errors_of_rows(device, rows, Run(horizon, threads=THREADS), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):
     """Find relative errors of well-posed thresholds, (rules, rows); NaN if none is near."""
-    model = build_model(batch([device]), "cosines", modes=COSINES)
+    model = build_model(batch([device]), Cosines(modes=COSINES))
 
     def ask(rule):
         ruled, question = changed(model, **rule)
-        return asker(ruled, rows, settings, until=question)
+        return Probe(ruled, rows, settings, question)
 
     def near(rule, N):
         return threshold_near(ask(rule), N, NEAR, REFINED)
 
     bound = least_amplitudes(model, rows)
     static = static_threshold(model.device)
-    wide = amplitudes(*scan_range(model.device, static, rows, bound), SCAN_STEP)
-    fine = near(FINE, first_seen(ask(RULES[DEFAULT]), wide, bound)[0])
+    fine = near(FINE, scan_upwards(ask(RULES[DEFAULT]), static, bound)[0])
     finer = near(FINER, fine)
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)
@@ -169,12 +169,12 @@ def errors_of_rows(device, rows, settings, rules=RULES):
 def stays():
     """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
-    settings = Settings(6000.0, threads=THREADS)
+    settings = Run(6000.0, threads=THREADS)
     device = load_device(ROOT / "config" / "config.yaml")
     beam = replace(device.beam, damping=1e-3)
     for contact in few(CONTACTS):
         held = replace(device, beam=beam, contact=contact)
-        model = build_model(held, "cosines", modes=COSINES)
+        model = build_model(held, Cosines(modes=COSINES))
         cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
         ends = (with_longest(model, turn).follow(cells, settings).well for turn in few(STAYS))
         yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]

@@ -3,8 +3,7 @@
 ./run python -m studies tolerances [--small]
 """
 
-from snapmap import load_device
-from snapmap.applications.tolerances.dataset import tolerance
+from snapmap import Study, load_device, tolerance
 from snapmap.files.text import table
 
 from .common import ROOT, few
@@ -23,7 +22,8 @@ def main():
 
 def sampled(device, **options):
     """Find the thresholds of samples of the device, without the axis C."""
-    return tolerance(device, SCATTERS, few(F0), C, threads=THREADS, **options).squeeze("C")
+    study = Study(device, run={"threads": THREADS})
+    return tolerance(study, SCATTERS, few(F0), C, **options).squeeze("C")
 
 
 def indices(device):

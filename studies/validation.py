@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from snapmap import load_device, simulate, statics, sweep
+from snapmap import Study, load_device, simulate, statics, sweep
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
@@ -20,8 +20,9 @@ from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
 
@@ -212,13 +213,14 @@ def mass(device):
         peaks = []
         for cycles in np.linspace(0.9, 1.1, 9) * at:
             f0 = omega / (2 * np.pi * cycles) * 1e6
-            run = simulate(alone, 100, f0, 0.0, model="cosines", horizon=600.0, pulse=shape)
+            run = simulate(Study(alone, Cosines(), pulse=shape, run=Run(600.0)), 100, f0, 0.0)
             rest = device.beam.rise + alone.gap
             still = 100 * device.gravity * device.mass / device.spring
             peaks.append(float(abs(run.z_mass - rest).max()) / still)
         most = np.polyval(np.polyfit(np.arange(9), peaks, 4), np.linspace(0, 8, 801)).max()
         yield row(f"response to a {shape}", ratio, most, 4)
-    cube = sweep(device, [700, 1000, 1500, 2200], [800, 3000], [0.0], model="cosines", modes=3)
+    study = Study(device, Cosines(modes=3))
+    cube = sweep(study, [700, 1000, 1500, 2200], [800, 3000], [0.0])
     yield row("energy lost over work", 0.0, float(cube.energy_error.max()))
 
 
@@ -234,7 +236,7 @@ def thresholds(device):
         ),
     }
     for name, case in few(cases).items():
-        model = build_model(case, "cosines", modes=3)
+        model = build_model(case, Cosines(modes=3))
         near, short = _threshold(model), partial(_short_of_snap, model)
         exact = brentq(short, 0.995 * near, 1.005 * near, xtol=1e-6)
         fine = _threshold(stepped(model, 0.05 * bending_limit(model)))
@@ -242,8 +244,8 @@ def thresholds(device):
 
 
 def _threshold(model):
-    rows, settings = to_rows(0, F0, C), Settings(0.0)
-    return lowest_snap(model, rows, (500.0, 2500.0), settings, 1e-9).item()
+    rows, settings = to_rows(0, F0, C), Run(0.0)
+    return lowest_snap(Probe(model, rows, settings), (500.0, 2500.0), 1e-9).item()
 
 
 def _short_of_snap(model, N):

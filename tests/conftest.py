@@ -5,6 +5,7 @@ import pytest
 from varied import share_of_limit
 
 from snapmap.config.devices import load_device
+from snapmap.solver.kept import forget
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -26,10 +27,12 @@ def fix_step(monkeypatch):
     """Give all models that are built one step, a share of their limit, as `in_steps` does."""
 
     def fix(share):
+        forget()
         monkeypatch.setattr("snapmap.solver.models.steps_of", share_of_limit(share))
         monkeypatch.setattr("snapmap.solver.steps.OF_LIMIT", share)
 
-    return fix
+    yield fix
+    forget()
 
 
 @pytest.fixture(scope="session")

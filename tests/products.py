@@ -2,7 +2,7 @@
 
 from PIL import Image
 
-from snapmap.applications import attached, gather
+from snapmap.applications import gather
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.study.netcdf import open_whole
 from snapmap.workflow.made import LIST
@@ -12,14 +12,14 @@ from snapmap.workflow.products import choose_views
 def products(study):
     """The names of all products of a study in results."""
     files = {"cube.nc", "threshold.nc", "thresholds.csv"}
-    made = gather("outputs", study)
+    made = gather(lambda part: part.outputs(study))
     for paths in (paths for outputs in made.values() for paths in outputs.values()):
         listed = [paths] if isinstance(paths, str) else paths
         files |= {path.removeprefix("results/") for path in listed}
     drawn = {name for stems in choose_views(study).stems.values() for name in stems}
-    for folder, part in attached().items():
-        if hasattr(part, "figures") and (folder in made or folder == "boundary"):
-            drawn |= {*part.figures(study)}
+    for folder, figures in gather(lambda part: part.figures(study)).items():
+        if folder in made or folder == "boundary":
+            drawn |= {*figures}
     return (
         files
         | {f"figures/{name}.{ending}" for name in drawn for ending in ("png", "pdf")}

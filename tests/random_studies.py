@@ -4,7 +4,7 @@ import random
 
 import yaml
 
-from snapmap.applications import functions, gather
+from snapmap.applications import attached, gather
 from snapmap.config.study import load_config
 from snapmap.workflow.forecast import search_seconds
 from snapmap.workflow.plan import make_plan
@@ -49,9 +49,11 @@ def random_study(seed):
 
 
 def _seconds(study):
-    asked = study.grid, study.model, study.settings, gather("alone", study), functions("observing")
+    alone = gather(lambda part: part.alone(study))
+    observing = [part.observing for part in attached().values()]
+    plan = make_plan(study.grid, study.model, study.run, alone, observing)
     searches = search_seconds(study.of_thresholds(), study.grid)
-    return 3 * make_plan(*asked).seconds + searches + sum(gather("cost", study).values())
+    return 3 * plan.seconds + searches + sum(part.cost(study) for part in attached().values())
 
 
 class Drawn:
@@ -65,6 +67,9 @@ class Drawn:
 
     def maybe(self, share, value, default=None):
         return value if self.draws.random() < share else default
+
+    def some(self, options):
+        return {key: value for key, value in options.items() if self.maybe(0.2, True)}
 
     def value(self, low, high, unit=""):
         """A value with decimals between two ends, with its unit."""
@@ -94,6 +99,7 @@ class Drawn:
         if pulse := self.pulse():
             document["pulse"] = pulse
         document["sweep"] = sweep = self.sweep(pulse)
+        document |= self.run()
         over = [key for key in sweep if key in AXES or key == "C"]
         if len(over) > 1 and self.maybe(0.3, True):
             document["maps"] = [{"x": over[0], "y": over[1]}, {"x": over[1], "y": "N"}]
@@ -128,7 +134,7 @@ class Drawn:
         if self.maybe(0.5, True):
             beam["damping"] = self.value(1e-3, 5e-3, "/us")
         if self.kind == "free":
-            beam |= {"guide": "free", "imperfection": self.value(0.01, 0.05, "um")}
+            beam |= {"free": True, "imperfection": self.value(0.01, 0.05, "um")}
             beam |= {"rise": self.value(10, 11, "um"), "thickness": self.value(1.2, 1.4, "um")}
         device = {"beam": beam, "mass": "none"}
         if self.has_mass:
@@ -138,14 +144,16 @@ class Drawn:
             return device | {"force": "1 uN"}
         device["gravity"] = "9.81 m/s^2"
         if self.kind == "stops":
-            device["stops"] = {"toward": self.value(18, 25, "um"), "away": self.value(4, 9, "um")}
+            device["stop_toward"] = self.value(18, 25, "um")
+            device["stop_away"] = self.value(4, 9, "um")
         if self.kind == "electrode":
             device["contact_at"] = self.value(-6, -3, "um")
         if self.maybe(0.3, True):
-            weibull = {"scale": self.value(1, 3, "GPa"), "modulus": 10}
-            device["strength"] = self.maybe(0.4, weibull, self.value(0.8, 2, "GPa"))
+            weibull = {"strength": self.value(1, 3, "GPa"), "strength_modulus": 10}
+            device |= self.maybe(0.4, weibull, {"strength": self.value(0.8, 2, "GPa")})
         if self.maybe(0.2, True):
-            device["thermal"] = {"modulus": "-63e-6 /K", "mismatch": "2.3e-7 /K", "damping": 0.7}
+            device |= {"modulus_slope": "-63e-6 /K", "expansion_mismatch": "2.3e-7 /K"}
+            device["damper_exponent"] = 0.7
         return device
 
     def pulse(self):
@@ -176,10 +184,14 @@ class Drawn:
         known = [key for key in AXES if self.has_mass or key not in OF_MASS]
         for key in self.draws.sample(known, self.draws.choice([0, 0, 1, 1, 2])):
             sweep[key] = self.axis(*AXES[key])
-        sweep["horizon"] = self.value(100, 300, "us")
-        options = {"until": "snap", "repeat": False, "not_bistable": "skip"}
-        options |= {} if self.kind == "free" else {"start": "second"}
-        return sweep | {key: value for key, value in options.items() if self.maybe(0.2, True)}
+        return sweep
+
+    def run(self):
+        run = {"horizon": self.value(100, 300, "us")}
+        run |= self.some({"until": "snap", "repeat": False})
+        skip = self.some({"skip": True})
+        run |= {} if self.kind == "free" else self.some({"start": "second"})
+        return {"run": run} | skip
 
     def requirements(self):
         N, time = self.value(500 * self.scale, 3000 * self.scale), self.value(0.2, 0.6, "ms")

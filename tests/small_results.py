@@ -7,26 +7,30 @@ import xarray as xr
 
 import snapmap
 from snapmap.figures import style
+from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import OUTCOMES
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.axes import COORDINATES
 from snapmap.study.variables import variables
 
 CONFIG = {
     "model": {"name": "elements"},
-    "sweep": {"horizon": "1.5 ms"},
+    "run": {"horizon": "1.5 ms"},
     "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
 }
 AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
-SETTINGS = Settings(horizon=300.0)
+SETTINGS = Run(horizon=300.0)
 VARIABLES = variables("cube")
 ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.dumps(CONFIG)}
 
 
-def swept(device, **changes):
+def swept(device, modes=3, cosines=None, skip=False, run=SETTINGS, **axes):
     """A cube of a device, in three cosines."""
-    asked = {**AXES, "model": "cosines", "modes": 3, "horizon": SETTINGS.horizon, **changes}
-    return snapmap.sweep(device, **asked)
+    model = Cosines(modes=modes, cosines=cosines)
+    study = snapmap.Study(device, model=model, run=run, skip=skip)
+    axes = AXES | axes
+    shock = {key: axes.pop(key) for key in AXES}
+    return snapmap.sweep(study, **shock, axes=axes)
 
 
 def make_cells(rows, f0=None, N=None):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
+from snapmap.values.faults import Faults
 
 MISSING = object()
 
@@ -27,7 +27,7 @@ def changed(document, **values):
 
 def faults(document):
     """The lines that refuse a document."""
-    with pytest.raises(ConfigError) as caught:
+    with pytest.raises(Faults) as caught:
         load_config(document)
     lines = str(caught.value).splitlines()
     assert lines == [*caught.value.args] and all(len(line) < 300 for line in lines)
@@ -64,7 +64,7 @@ sweep:
   N: {from: 200, to: 3000, points: 3}
   f0: [800 Hz, 2 kHz]
   C: [30 uN*us/um]
-  horizon: 200 us
+run: {horizon: 200 us}
 requirements:
   - {name: crash, shape: half sine, N: 2000, f0: 1 kHz, snaps: true, closes_within: 1 ms}
   - {name: drop, shape: half sine, N: 300, f0: 2 kHz, direction: -z, snaps: false}

@@ -2,13 +2,13 @@
 
 import math
 
+import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import changed
 from varied import varied
 
-import snapmap
 from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.config.points import read_points
@@ -17,8 +17,9 @@ from snapmap.pulse.pulse import N_of_g, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def scaled(device, length, mass, time):
@@ -47,12 +48,12 @@ def test_similar_devices_answer_alike(device, factors):
         return verb(scaled(device, length, mass, time), **rows, **how)
 
     N = [600.0, 900.0, 1300.0, 1800.0]
-    cube, similar = (ask(snapmap.sweep, *each, N=N) for each in ((1, 1, 1), factors))
+    cube, similar = (ask(flat.sweep, *each, N=N) for each in ((1, 1, 1), factors))
     assert 0 < cube.t_snap.notnull().sum() < cube.t_snap.size
     np.testing.assert_array_equal(similar.outcome, cube.outcome)
     for key in ("t_snap", "t_settled"):
         np.testing.assert_allclose(similar[key] / factors[2], cube[key], rtol=1e-12)
-    edge, similar = (ask(snapmap.threshold, *each) for each in ((1, 1, 1), factors))
+    edge, similar = (ask(flat.threshold, *each) for each in ((1, 1, 1), factors))
     for key in ("N_first", "N_always", "N_static", "N_bound"):
         np.testing.assert_allclose(similar[key], edge[key], rtol=1e-12)
     # At its threshold the time of a snap magnifies what rounding does to N.
@@ -71,11 +72,11 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     x = np.linspace(0, 1, 1601)
     beats = sampled(500 * x, np.sin(np.pi * x) ** 2 * (1 - np.cos(32 * np.pi * x)) / 2)
     assert beats.variation > 15
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]], pulses=(beats,))
-    static, settings = static_threshold(handout), Settings(300.0, until="snap")
-    search = rows, (0.5 * static, 6.0 * static), settings, 1e-5
-    coarse, fine = (lowest_snap(each, *search) for each in (model, model.with_step(0.25)))
+    static, settings = static_threshold(handout), Run(300.0, until="snap")
+    probes = (Probe(each, rows, settings) for each in (model, model.with_step(0.25)))
+    coarse, fine = (lowest_snap(probe, (0.5 * static, 6.0 * static), 1e-5) for probe in probes)
     np.testing.assert_allclose(coarse, fine, rtol=2e-4)
 
 
@@ -126,7 +127,7 @@ def test_another_unit_of_N_changes_no_verdict_and_no_margin(studies):
     peak = math.sqrt(2 * 9.80665 * 3e-3) * math.pi / 2 / 0.05e-3
     assert math.isclose(fall.N, peak / 9.81, rel_tol=1e-9)
     for study, N in zip(studies, (fall.N, fall.N * RATIO), strict=True):
-        pulse = study.requests["requirements"][1].values["shocks"].pulse
+        pulse = study.requests["requirements"][1].shocks.pulse
         (line, *_) = pulse.doubts(1.0, pulse.duration, study.device.gravity)
         assert f"N = {N:.5g} is the fall from its height" in line
 

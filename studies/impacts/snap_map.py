@@ -8,6 +8,7 @@ import numpy as np
 from snapmap.device.device import Device
 from snapmap.solver.cells import Cells
 from snapmap.solver.models import Model, build_model
+from snapmap.solver.options import Cosines
 
 from ..scipy_solver import by_scipy, compile_rate, snap_target
 from ..speed import by_model, map_cells, without_settling
@@ -43,7 +44,7 @@ class SnapMap:
 def make_map(device: Device) -> SnapMap:
     """Make workload A in three cosines, without cells whose label changes within NEAR."""
     cells = map_cells(device)
-    blank = SnapMap(build_model(device, "cosines", modes=3), cells, np.zeros(cells.f0.size, bool))
+    blank = SnapMap(build_model(device, Cosines(modes=3)), cells, np.zeros(cells.f0.size, bool))
     many = [cells._replace(amplitude=cells.amplitude * (1 + change)) for change in NEAR]
     columns = zip(*(cells[:-1] for cells in many), strict=True)
     joined = Cells(*map(np.concatenate, columns), many[0].pulses)

@@ -13,6 +13,7 @@ from snapmap.solver.cells import Cells
 from snapmap.solver.kernel import rows as R
 from snapmap.solver.kernel.trace import follow_stress
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.simd_loop import coefficients, empty_lanes
 
 from .problems import BALL, WAY, Problem
@@ -131,7 +132,7 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
         frequency = CYCLES / (2 * problem.t_end) * omega
     held = replace(device, stop_toward=stop, spring=spring, **ALONE)
     devices = batch([replace(held, restitution=share) for share in e.tolist()])
-    model = build_model(devices, "cosines", cosines=1, modes=1)
+    model = build_model(devices, Cosines(modes=1))
     shocks = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
     cells = Cells(np.arange(e.size), *shocks, np.zeros(e.size), problem.t_end, (pulse,))
 

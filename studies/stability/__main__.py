@@ -9,9 +9,9 @@ import os
 
 import numpy as np
 
+from snapmap import Cosines, Run, Study, sweep
 from snapmap.figures import maps, style
 from snapmap.numerics.portable import geometric, linear
-from snapmap.sweeps.cube import sweep
 
 from ..common import command_device, few, results
 from .cases import CASES, MODELS
@@ -22,7 +22,6 @@ from .tables import tables
 
 GRID = {"N": linear(600, 2400, 61), "f0": geometric(100, 3e4, 31), "C": [0.025, 25.0, 200.0]}
 """Axes of the cells that may settle: multiples of g, Hz, uN us/um."""
-SETTLING = {"model": "cosines", "modes": 4, "horizon": 6000.0, "repeat": True}
 DAMPINGS, SHOWN = [0.0, 4e-4, 4e-3], 25.0
 """Dampings of the beam, 1/us; C of the maps, uN us/um."""
 
@@ -31,7 +30,8 @@ def main() -> None:
     device, threads = command_device(), os.cpu_count() or 1
     cases = measure(device, few(CASES, 2), few(MODELS, 2), threads=threads)
     grid = {key: few(values, 3) for key, values in GRID.items()}
-    settled = sweep(device, **grid, **SETTLING, threads=threads, damping=few(DAMPINGS, 2))
+    study = Study(device, Cosines(modes=4), run=Run(6000.0, threads=threads))
+    settled = sweep(study, **grid, axes={"damping": few(DAMPINGS, 2)})
     cases.to_netcdf(results("stability.nc"))
     text = f"{tables(cases, settled)}\n{followed_on(device)}"
     results("stability.md").write_text(text, encoding="utf-8")

@@ -8,6 +8,7 @@ import numpy as np
 from snapmap.device.device import Device
 from snapmap.device.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
+from snapmap.solver.options import Cosines, Elements, Reference
 
 APART = 1e-9
 """Relative distance between the amplitudes of a case's cells."""
@@ -56,14 +57,14 @@ CASES = (
     Case("chaotic, damped beam", 1500.0, C=25.0, horizon=6000.0, beam_damping=4e-4, cells=64),
 )
 MODELS = {
-    **{f"{n} cosines": {"name": "cosines", "modes": n} for n in (1, 2, 3, 5, 8, 12)},
-    "1 element": {"name": "elements", "elements": 1},
-    "5 elements": {"name": "elements", "elements": 5},
-    "20 elements": {"name": "elements", "elements": 20},
-    "20 elements, 4 modes": {"name": "elements", "elements": 20, "modes": 4},
-    "reference": {"name": "reference"},
+    **{f"{n} cosines": Cosines(modes=n) for n in (1, 2, 3, 5, 8, 12)},
+    "1 element": Elements(elements=1),
+    "5 elements": Elements(elements=5),
+    "20 elements": Elements(elements=20),
+    "20 elements, 4 modes": Elements(elements=20, modes=4),
+    "reference": Reference(),
 }
-"""Name and options of each model, by its label in the figure."""
+"""Each model, by its label in the figure."""
 
 
 def changed(device: Device, case: Case) -> Device:

@@ -12,11 +12,12 @@ from snapmap.device.device import Device
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Chosen
 from snapmap.solver.outcome import FAILED, label
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.solver.steps import stability_limit
 from snapmap.study.variables import flags, variables
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 from ..common import bending_limit, stepped
 from .cases import APART, CASES, MODELS, Case, changed
@@ -55,13 +56,13 @@ VARIABLES = {
 def measure(
     device: Device,
     cases: Sequence[Case] = CASES,
-    models: Mapping[str, Mapping] = MODELS,
+    models: Mapping[str, Chosen] = MODELS,
     steps: Sequence[float] = STEPS,
     threads: int = 1,
 ) -> xr.Dataset:
     """Follow every case with every model at every step.
 
-    models: name and options of each, by label; steps: shares of the stability limit
+    models: by label; steps: shares of the stability limit
     The variables default_* are those of a sweep, which takes the default step, and halves it if a
     ledger does not close.
     """
@@ -74,7 +75,7 @@ def measure(
 
 def dress(
     cases: Sequence[Case],
-    models: Mapping[str, Mapping],
+    models: Mapping[str, Chosen],
     steps: Sequence[float],
     values: Mapping[str, np.ndarray],
 ) -> xr.Dataset:
@@ -93,16 +94,16 @@ def dress(
 
 
 def measure_pair(
-    device: Device, case: Case, options: Mapping, steps: Sequence[float]
+    device: Device, case: Case, chosen: Chosen, steps: Sequence[float]
 ) -> dict[str, object]:
     """Follow one case with one model; returns values by the names of the dataset.
 
-    options: of the model, with its name; steps: shares of its stability limit
+    steps: shares of its stability limit
     A list holds a value for each step.
     """
     device = changed(device, case)
     try:
-        model = build_model(device, **options)
+        model = build_model(device, chosen)
     except ValueError:
         return _blank(steps, REFUSED)
     is_plain = model.name == "reference"
@@ -117,13 +118,13 @@ def measure_pair(
 
 def _default_step(device, model, case):
     """The default step of a sweep for the case, us."""
-    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Settings()
+    cells, settings = to_cells(device, [0], 0.0, case.f0, case.C, case.horizon), Run()
     return model.steps.of(cells, settings.question).item()
 
 
 def _follow(case, model, limit, steps):
     """Values at the default step, and also at all steps unless that takes too long."""
-    cells, settings = _cells(model, case, limit), Settings(case.horizon)
+    cells, settings = _cells(model, case, limit), Run(case.horizon)
 
     @cache
     def follow_at(dt):
@@ -152,14 +153,14 @@ def _cells(model, case, limit):
     N = case.N
     if case.of_threshold:
         fine = stepped(model, FINE_STEPS[0] * limit)
-        row, settings = to_rows(0, case.f0, case.C), Settings(horizon=300.0)
-        N *= lowest_snap(fine, row, SEARCHED, settings, tolerance=10 * APART)[0]
+        row, settings = to_rows(0, case.f0, case.C), Run(horizon=300.0)
+        N *= lowest_snap(Probe(fine, row, settings), SEARCHED, tolerance=10 * APART)[0]
     copies = N * (1 - APART * np.arange(case.cells))
     return to_cells(model.device, 0, copies, case.f0, case.C, case.horizon)
 
 
 def _to_runs(observed):
-    outcome = label(*observed[:4], Settings().energy_tolerance)
+    outcome = label(*observed[:4], Run().energy_tolerance)
     return Runs(outcome, observed.t_snap, observed.t_settled, observed.energy_error)
 
 

@@ -10,19 +10,20 @@ from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.options import Cosines, Elements
+from snapmap.solver.settings import STAY, Run
 from snapmap.solver.simd_loop import midpoints
 
 from ..common import few
 
 N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
 MODELS = {
-    "3 cosines": {"name": "cosines", "modes": 3},
-    "5 cosines": {"name": "cosines", "modes": 5},
-    "5 elements": {"name": "elements"},
+    "3 cosines": Cosines(modes=3),
+    "5 cosines": Cosines(modes=5),
+    "5 elements": Elements(),
 }
 DAMPINGS = (0.025, 25.0)
-SETTINGS = Settings(threads=2)
+SETTINGS = Run(threads=2)
 FURTHER = 10_000.0
 """Time for which runs are followed after the pulse, us."""
 HEAD = ["beam", "contact, N/m", "model", "settled", "left their well"]
@@ -38,7 +39,7 @@ def followed_on(device: Device) -> str:
     for (name, beam), contact, label in product(
         few({"guided": device, "free": tilting}).items(), few((40.0, np.inf)), few(MODELS)
     ):
-        model = build_model(replace(beam, contact=contact), **MODELS[label])
+        model = build_model(replace(beam, contact=contact), MODELS[label])
         counts = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
         rows.append([name, f"{contact:g}", label, *(str(number) for number in counts)])
     return table(HEAD, rows)

@@ -1,6 +1,6 @@
 import pytest
 
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 
 
@@ -8,4 +8,4 @@ from snapmap.study.study import Study
 def study(handout):
     """The handout's device by three cosines, to 300 us after a shock."""
     model = {"name": "cosines", "modes": 3}
-    return Study(device=handout, model=model, settings=Settings(horizon=300.0))
+    return Study(handout, model=model, run=Run(horizon=300.0))

@@ -2,17 +2,21 @@
 
 import re
 import shutil
+import subprocess
+import sys
+from inspect import getmodule, unwrap
 
 import pytest
 import yaml
 from small_studies import TINY
 from small_workflow import snakemake
 
-from snapmap.applications import attached, key_of
+import snapmap
+from snapmap.applications import attached
 
+FIRST = {name: getmodule(type(part)).__doc__.splitlines()[0] for name, part in attached().items()}
 IMPORTS = {
-    name: {*re.findall(r"\w+", package.__doc__.partition("\n")[0].partition("Imports:")[2])}
-    for name, package in attached().items()
+    name: {*re.findall(r"\w+", first.partition("Imports:")[2])} for name, first in FIRST.items()
 }
 """What the first line of each application says that it imports; test_project.py checks it."""
 INNER = [name for name in IMPORTS if name in set().union(*IMPORTS.values())]
@@ -23,6 +27,13 @@ def with_dependents(names):
     """These applications and all that import them."""
     more = {name for name, imported in IMPORTS.items() if imported & {*names}}
     return {*names} if more <= {*names} else with_dependents(more.union(names))
+
+
+def names_of(folders):
+    """The public names whose home is in one of these folders."""
+    homes = {name: unwrap(getattr(snapmap, name)).__module__ for name in snapmap.__all__}
+    parts = [f"snapmap.applications.{folder}." for folder in folders]
+    return {name for name, home in homes.items() if home.startswith((*parts,))}
 
 
 @pytest.fixture
@@ -43,7 +54,7 @@ def study_without(clone, names, path):
         shutil.rmtree(applications / gone)
         assert f'    "{gone}",\n' in text
         text = text.replace(f'    "{gone}",\n', "")
-        document.pop(key_of(gone, attached()[gone]), None)
+        document.pop(gone, None)
     listing.write_text(text, encoding="utf-8")
     path.write_text(yaml.safe_dump(document), encoding="utf-8")
 
@@ -53,5 +64,13 @@ def test_the_rest_is_planned_without_applications(clone, tmp_path, names, monkey
     """Without all that nothing imports, at once, and without each of the others."""
     monkeypatch.delenv("PYTHONPATH", raising=False)
     study_without(clone, names, tmp_path / "study.yaml")
+    told = subprocess.run(
+        [sys.executable, "-c", "import snapmap; print(*dir(snapmap))"],
+        cwd=clone / "workflow" / "scripts",
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert {*dir(snapmap)} - {*told.stdout.split()} == names_of(with_dependents(names))
     _, output = snakemake(clone, tmp_path / "run", tmp_path / "study.yaml", "--dry-run")
     assert "find_threshold" in output and "draw_study" in output

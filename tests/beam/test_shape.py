@@ -8,7 +8,7 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import root
 from varied import varied
 
-from snapmap import simulate, threshold
+import snapmap
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
@@ -115,10 +115,13 @@ def test_a_straight_beam_has_two_mirrored_shapes(handout):
 
 def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(handout):
     device = varied(handout, cosine_2=0.05, cosine_3=-0.03)
-    models = {"model": "elements", "modes": 5}, {"model": "cosines"}
-    N = [threshold(device, 1500.0, 25.0, **model).N_first.item() for model in models]
+    models = snapmap.Elements(modes=5), snapmap.Cosines()
+    N = [
+        snapmap.threshold(snapmap.Study(device, model=model), 1500.0, 25.0).N_first.item()
+        for model in models
+    ]
     assert N[0] == pytest.approx(N[1], rel=1e-2)
-    run = simulate(device, 1.02 * max(N), 1500.0, 25.0, model="cosines")
+    run = snapmap.simulate(snapmap.Study(device, model="cosines"), 1.02 * max(N), 1500.0, 25.0)
     assert run.w_mid[0] == pytest.approx(device.beam.rise)
     assert run.w_mid.min() < device.beam.second_equilibrium
 

@@ -5,35 +5,38 @@ import datetime
 import math
 import random
 import re
+import warnings
 from functools import reduce
 from operator import getitem
 
 import pytest
 import yaml
-from small_studies import THREE_COSINES, changed
+from small_studies import EVERY_PRODUCT, SHOTS, THREE_COSINES, changed
 from small_workflow import snakemake
 
 from snapmap.applications import gather
 from snapmap.config.study import load_config
-from snapmap.config.units import show
-from snapmap.config.yaml_file import ConfigError
+from snapmap.files.text import describe
+from snapmap.values.faults import Faults
 from snapmap.workflow.plan import make_plan
 
 SWEEP = yaml.safe_load("""
 N: {from: 600, to: 2400, points: 7}
 f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}
 C: [0.025 uN*us/um, 25 uN*us/um]
-horizon: 1500 us
-until: settled
-repeat: true
-energy_tolerance: 0.001
 threshold_tolerance: 0.0001
 """)
+RUN = {"horizon": "1500 us", "until": "settled", "repeat": True, "energy_tolerance": 0.001}
 HISTORY = {"N": 1000, "f0": "1500 Hz", "C": "25 uN*us/um"}
-PARTS = {"model": {"name": "elements", "elements": 5}, "sweep": SWEEP, "histories": [HISTORY]}
+PARTS = {
+    "model": {"name": "elements", "elements": 5},
+    "sweep": SWEEP,
+    "run": RUN,
+    "histories": [HISTORY],
+}
 DEFAULT = changed(yaml.safe_load(THREE_COSINES), device__beam__damping="4e-4 /us", **PARTS)
 OPTIONAL = {
-    *("damping", "elements", "spacing", "until", "repeat", "histories"),
+    *("damping", "elements", "spacing", "horizon", "until", "repeat", "histories"),
     *("energy_tolerance", "threshold_tolerance"),
 }
 HOSTILE = [
@@ -52,7 +55,7 @@ NO_QUANTITY = [
 ]
 NO_NUMBER = [*NO_VALUE, "1 g", "1,5", "0x10", True, "nan", 1e300, "1e999", -2e15]
 NO_COUNT = [*NO_VALUE, 0, -3, 10**7, True]
-NO_WORD, NO_SHARE = [*NO_VALUE, True, 0.5, -3, "1e3"], [*NO_VALUE, 0.0, -1.0, 1.0, "0.001", "2 %"]
+NO_WORD, NO_SHARE = [*NO_VALUE, True, 0.5, -3, "1e3"], [*NO_VALUE, 0.0, -1.0, 1.0, "1", "2 %"]
 BAD = {
     **{"elements": NO_COUNT, "points": [*NO_COUNT, 2.5], "N": NO_NUMBER, "name": NO_WORD},
     **{"spacing": NO_WORD, "until": NO_WORD, "repeat": [*NO_VALUE, 1, "yes"]},
@@ -83,7 +86,7 @@ NAMED = [path for path in LEAVES if isinstance(path[-1], str)]
 def set_badly(rng, section, path):
     bad = next((BAD[key] for key in reversed(path) if key in BAD), NO_QUANTITY)
     section[path[-1]] = value = rng.choice(bad)
-    return [(name_of(path), show(value))]
+    return [(name_of(path), describe(value))]
 
 
 def delete(rng, section, path):
@@ -99,7 +102,7 @@ def rename(rng, section, path):
 
 def flatten(rng, section, path):
     section[path[-1]] = value = rng.choice(["text", 3, True, None, math.nan])
-    return [(name_of(path), f"{show(value)} is not a")]
+    return [(name_of(path), f"{describe(value)} is not a")]
 
 
 DAMAGES = [*[(path, set_badly) for path in LEAVES] * 4, *[(path, flatten) for path in SECTIONS]]
@@ -109,9 +112,10 @@ DAMAGES += [(path, damage) for path in NAMED for damage in (delete, rename)]
 def lines_of(document):
     """The faults of a document, each a clear single line; empty if it gives slabs."""
     try:
-        study = load_config(document)
-        make_plan(study.grid, study.model, study.settings, gather("alone", study))
-    except ConfigError as error:
+        with warnings.catch_warnings(action="error"):  # of what a fault leaves out
+            study = load_config(document)
+        make_plan(study.grid, study.model, study.run, gather(lambda part: part.alone(study)))
+    except Faults as error:
         lines = list(error.args)
     except ValueError as error:
         lines = str(error).split("\n")
@@ -136,7 +140,7 @@ def test_no_text_of_a_config_is_run(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("examples", [100, pytest.param(5000, marks=pytest.mark.long)])
 def test_every_fault_is_one_line_naming_key_and_value(examples):
-    """Of one to three at once, none of which hides another."""
+    """Of one to three at once, none of which hides another; no line is on anything else."""
     rng = random.Random(examples)
     for _ in range(examples):
         document, damaged, places = copy.deepcopy(DEFAULT), [], []
@@ -147,6 +151,18 @@ def test_every_fault_is_one_line_naming_key_and_value(examples):
         lines = lines_of(document)
         for name, complaint in places:
             assert any(line.startswith(name) and complaint in line for line in lines), lines
+        assert len({*places}) <= len(lines) <= len(places), lines
+
+
+def test_what_is_no_value_is_one_line_wherever_it_stands(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "shots.csv").write_text(SHOTS)
+    whole, rng = yaml.safe_load(EVERY_PRODUCT), random.Random(1)
+    for path in leaves(whole):
+        document = copy.deepcopy(whole)
+        reduce(getitem, path[:-1], document)[path[-1]] = rng.choice(NO_VALUE[:8])
+        (line,) = lines_of(document)
+        assert line.startswith(name_of(path if isinstance(path[-1], str) else path[:-1]))
 
 
 MANY = {
@@ -158,7 +174,7 @@ ABSURD = (
     ("device.beam.thickness", {"device__beam__thickness": "1e-15 um"}),
     *(("sweep.f0[0]", {"sweep__f0": ["1e-300 Hz"]}), ("sweep.f0", {"sweep__f0": ["1e-15 Hz"]})),
     ("sweep", {f"sweep__{key}": MANY[key] for key in MANY}),
-    *(("sweep.horizon", {"sweep__horizon": f"{horizon} us"}) for horizon in ("1e30", "1e14")),
+    *(("run.horizon", {"run__horizon": f"{horizon} us"}) for horizon in ("1e30", "1e14")),
     ("histories", {"histories": [{"N": 1, "f0": "1e-14 Hz", "C": "1 kg/s"}]}),
     ("sweep.C", {"sweep__C": ["0.1 kg/s", "0.10000000000000002 kg/s"]}),
     ("sweep.C", {"sweep__C": {"from": "1 kg/s", "to": "2 kg/s", "points": 1001}}),
@@ -182,6 +198,6 @@ def test_the_workflow_prints_a_line_for_each_fault(root, tmp_path):
     code, output = snakemake(root, tmp_path, tmp_path / "bad.yaml", check=False)
     lines = output.splitlines()
     assert code != 0 and not any("Traceback" in line for line in lines), lines
-    for name in ("device.beam.span", "model.elements", "sweep.horizon", "device.mass"):
+    for name in ("device.beam.span", "model.elements", "run.horizon", "device.mass"):
         assert sum(name in line for line in lines) == 1, lines
     assert {path.name for path in tmp_path.iterdir()} <= {"bad.yaml", ".snakemake"}

@@ -25,7 +25,8 @@ from snapmap.workflow.alike import check_alike
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
 marks: points.csv
 requirements: [{{name: drop, file: shock.csv, N: 1000, snaps: false}}]
-sweep: {{N: {{from: 600, to: 2400, points: 3}}, C: [25 uN*us/um], horizon: 0 us, until: snap}}
+sweep: {{N: {{from: 600, to: 2400, points: 3}}, C: [25 uN*us/um]}}
+run: {{horizon: 0 us, until: snap}}
 """
 DOCUMENT = yaml.safe_load(STUDY)
 
@@ -57,7 +58,7 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     study = load_config(changed(DOCUMENT, device__beam__shape={"file": "shape.csv"}))
     hashes = {path.name: hashlib.sha256(path.read_bytes()) for path in folder.glob("*.csv")}
     assert study.files() == {name: held.hexdigest() for name, held in hashes.items()}
-    for pulse in (study.pulse, shocks_of(study)[0]["pulse"]):
+    for pulse in (study.shock, shocks_of(study)[0].pulse):
         assert pulse["sha256"] == study.files()["shock.csv"]
 
 
@@ -72,13 +73,13 @@ def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
     hold_to_plan(study.files())
     plan_with(study.files())
-    assert planned_study(DOCUMENT, threads=2).settings.threads == 2
+    assert planned_study(DOCUMENT, threads=2).run.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
         planned_study(DOCUMENT, threads=1)
     with pytest.raises(ValueError, match=r"^shock\.csv: was edited: its SHA-256 is not the exp"):
-        read_pulse(study.pulse["file"], study.pulse["sha256"])
+        read_pulse(study.shock["file"], study.shock["sha256"])
     with pytest.raises(ValueError, match=r"^points\.csv: was edited: its SHA-256 is not the exp"):
         read_points(*study.own_points)
 

@@ -18,18 +18,21 @@ from snapmap.config.doubts import doubts
 from snapmap.config.study import load_config
 from snapmap.config.vibrations import vibrations
 from snapmap.pulse.pulse import make_pulse
+from snapmap.solver.ledger import CellRun
 from snapmap.solver.models import build_model
-from snapmap.solver.plain_loop import follow, nodal_system
+from snapmap.solver.nodal import nodal_system
+from snapmap.solver.options import Reference
+from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import MOVE
 
-SWEEP = "sweep: {N: [900, 1000], f0: [1500 Hz], horizon: 100 us}"
+SWEEP = "sweep: {N: [900, 1000], f0: [1500 Hz]}\nrun: {horizon: 100 us}"
 DOCUMENT = yaml.safe_load(THREE_COSINES + SWEEP)
 DOCUMENT["device"] |= {"gap": "5 um", "quality_factor": 94}
 DOCUMENT["device"]["beam"]["quality_factor"] = 60
 BEAMS = (
     *({}, {"rise": "5 um"}, {"residual_stress": "-40 MPa"}),
-    *({"residual_stress": "20 MPa", "rise": "12 um"}, {"guide": "free", "imperfection": "0.05 um"}),
-    {"guide": "free", "imperfection": "2 um", "residual_stress": "-8 MPa"},
+    *({"residual_stress": "20 MPa", "rise": "12 um"}, {"free": True, "imperfection": "0.05 um"}),
+    {"free": True, "imperfection": "2 um", "residual_stress": "-8 MPa"},
 )
 
 
@@ -63,13 +66,13 @@ def decay(time, motion):
 def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(values):
     section = changed(DOCUMENT["device"], **{f"beam__{key}": values[key] for key in values})
     device = read_device(section)
-    model = build_model(device, "reference", elements=5)
+    model = build_model(device, Reference(elements=5))
     system, n = nodal_system(device, model.basis), model.basis.load.size
     dt = model.steps.longest[MOVE].item()
     history = np.zeros((round(300.0 / dt), 2 * n + 4))
     # A weak, short push: the mass stays away, and the beam's motion is linear.
     push = make_pulse().curve, 1e-3 * device.gravity, 0.5, 0.0
-    follow(system, *push, -np.inf, dt, len(history), history)
+    follow(system, CellRun(*push, -np.inf, dt, len(history), history))
     dense, _ = symmetric_mode(device.beam, elements=20)
     # Ten elements leave 1e-4 of what twenty have almost to the end: order 4.
     assert natural_frequency(device.beam) == pytest.approx(dense, rel=1.5e-4)
@@ -85,7 +88,8 @@ def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(valu
 def test_a_free_decay_measures_the_quality_factor_of_the_mass():
     study = load_config(changed(DOCUMENT, device__quality_factor=20))
     (C,) = study.axes["C"]
-    run = snapmap.simulate(study.device, 0.1, 50e3, C, model="cosines", modes=3, horizon=3000.0)
+    asked = snapmap.Study(study.device, model=study.model, run={"horizon": 3000.0})
+    run = snapmap.simulate(asked, 0.1, 50e3, C)
     after = run.time > 25.0
     omega, quality = decay(run.time.values[after], run.z_mass.values[after] - 10.0 - 5.0)
     assert omega == pytest.approx(math.sqrt(5.5 / 1e4), rel=1e-3)
@@ -129,7 +133,7 @@ def test_several_devices_share_one_C():
 THICK = {"device__beam__span": "60 um", "device__beam__thickness": "4 um"}
 NOT_SHALLOW, UNUSUAL = "rise/span = 0.167", "m/s^2 is outside the usual 0.1 m/s^2 to"
 DAMPED = {"device__quality_factor": MISSING, "sweep__C": ["0 kg/s", "0.025 kg/s"]}
-STOPPED = "device: stops.toward: 18 um stops the mass before"
+STOPPED = "device: stop_toward: 18 um stops the mass before"
 
 
 BARELY = {"device__beam__rise": "4.8 um", "device__gap": "0 um"}
@@ -182,9 +186,9 @@ def test_devices_as_made_without_a_second_shape_are_doubted():
         ({"sweep__f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz"]),
         ({"sweep__f0": ["3 Hz", "1500 MHz"]}, []),
         ({"sweep__f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
-        ({"device__stops": {"toward": "5 um"}}, ["device: stops.toward: 5 um is within the gap"]),
-        ({"device__stops": {"toward": "18 um"}}, [STOPPED]),
-        ({"device__stops": {"toward": "19 um"}}, []),
+        ({"device__stop_toward": "5 um"}, ["device: stop_toward: 5 um is within the gap"]),
+        ({"device__stop_toward": "18 um"}, [STOPPED]),
+        ({"device__stop_toward": "19 um"}, []),
     ],
 )
 def test_what_is_hardly_meant_is_told_and_nothing_else(values, told):

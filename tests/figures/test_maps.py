@@ -1,6 +1,7 @@
 """What maps show: cells, states, doubts, snap times, thresholds and points; where they stand."""
 
 import itertools
+import json
 from functools import partial
 
 import numpy as np
@@ -90,6 +91,18 @@ def test_states_tell_whether_a_cell_snaps_and_the_side_of_its_end_and_how_sure_t
     # A run that ends at its snap, as of the model `reference`, has no well.
     blank = {"well": xr.zeros_like(EVERY.well), "well_share": np.nan * EVERY.well_share}
     assert states(EVERY.assign(blank))[:3] == known[:3]
+
+
+def test_a_cube_of_version_0_3_has_the_case_and_the_states_of_its_guide_and_start():
+    run = {"horizon": "300 us", "start": "second"}
+    old = {"device": {"beam": {"guide": "free"}}, "sweep": run}
+    new = {"device": {"beam": {"free": True}}, "run": run}
+    blank = EVERY.assign(well=xr.zeros_like(EVERY.well))
+    old, new = (blank.assign_attrs(config=json.dumps(config)) for config in (old, new))
+    words = "versed sine, beam free to tilt, starts in the second shape, followed 0.3 ms"
+    assert style.case(old.attrs) == style.case(new.attrs) == words
+    xr.testing.assert_equal(S.end_states(old), S.end_states(new))
+    assert (S.end_states(old) != S.end_states(blank)).any()
 
 
 def test_an_end_is_elsewhere_by_its_side_alone():
@@ -221,7 +234,7 @@ def test_what_snaps_always_is_marked_where_it_differs_by_more_than_the_error():
 
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
     for ends, classify in ((True, S.end_states), (False, S.snap_states)):
-        ax = snapmap.plot_outcome(TINY, axes(), found=make_found().isel(C=0), ends=ends)
+        ax = snapmap.plot_outcome(TINY, axes(), thresholds=make_found().isel(C=0), ends=ends)
         assert filled(ax)[0] == classify(TINY).values.T.tolist()
     with pytest.raises(ValueError, match="has no wells"):
         snapmap.plot_outcome(TINY.drop_vars("well"), axes(), ends=True)

@@ -1,5 +1,6 @@
 """Figures with all of their data missing, with one value, and with one among missing ones."""
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -19,21 +20,13 @@ from snapmap.applications.window.figure import draw_window
 from snapmap.applications.window.window import window_of
 from snapmap.figures import maps, style, thresholds
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 MODEL = {"model": "cosines", "modes": 3}
 SHORT = MODEL | {"horizon": 100.0}
-REQUIRED = [
-    {
-        "name": "crash",
-        "N": 2000.0,
-        "f0": 1500.0,
-        "snaps": True,
-        "survives": 0.9,
-        "shocks": make_shocks(),
-    }
-]
+REQUIRED = {"name": "crash", "N": 2000.0, "f0": 1500.0, "snaps": True, "survives": 0.9}
 SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
 ROW = {"requirement": "crash", "must_snap": True, "verdict": "failed", "start": "first"}
 ROW |= {"device": "", "shape": "sine", "direction": "+z", "temperature": 20.0, "C": 25.0}
@@ -45,32 +38,32 @@ VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
 @pytest.fixture(scope="module")
 def made(handout):
     """A small result behind each figure, by the function that draws it."""
-    study = Study(device=handout, model={"name": "cosines", "modes": 3}, settings=Settings(100.0))
+    study = Study(handout, model={"name": "cosines", "modes": 3}, run=Run(100.0))
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    made = snapmap.tolerance(
+    made = flat.tolerance(
         handout,
         {"thickness": 0.05},
         [500.0, 1500.0],
         [25.0],
         samples=4,
         index_samples=4,
-        requirements=REQUIRED,
+        requirements=[REQUIRED | {"survives": True}],
         **SHORT,
     )
-    edges = snapmap.threshold(handout, **axes, **MODEL)
+    edges = flat.threshold(handout, **axes, **MODEL)
     return {
         "cells": make_cells(["2225", "2022", "0020", "0100"]),
         "thresholds": make_found(),
         "laws": laws_of(study, study.set_out(axes), edges),
-        "history": snapmap.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
+        "history": flat.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
         "statics": snapmap.statics(handout),
         "tolerances": made,
-        "calibration": snapmap.calibrate(
-            handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL
-        ),
+        "calibration": flat.calibrate(handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL),
         "verdicts": VERDICTS,
         "window": window_of(
-            study, {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}, REQUIRED
+            study,
+            {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]},
+            [Shock(**REQUIRED, shocks=make_shocks())],
         ),
     }
 

@@ -12,19 +12,23 @@ from fnmatch import fnmatch
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import snapmap
 from snapmap.files.atomic import fingerprint, hold, refuse_others
 from snapmap.files.text import exact, is_showable, stem_of
-from snapmap.solver.outcome import OUTCOMES
+from snapmap.solver.options import Cosines
 from snapmap.study.netcdf import write
-from snapmap.thresholds.rows import tidy
-
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+from snapmap.thresholds.summary import tidy
 
 
-def test_each_threshold_is_a_row(handout):
-    edges = snapmap.threshold(handout, [500.0, 1500.0], [25.0], thickness=[1.9, 2.0], **CHEAP)
+@pytest.fixture(scope="module")
+def study(handout):
+    return snapmap.Study(handout, model=Cosines(modes=3), run={"horizon": 300.0})
+
+
+def test_each_threshold_is_a_row(study):
+    edges = snapmap.threshold(study, [500.0, 1500.0], [25.0], axes={"thickness": [1.9, 2.0]})
     table = tidy(edges)
     assert [*table.columns[:4]] == ["thickness", "C", "f0", "duration_ms"]
     assert len(table) == 4 and "island_from" not in table
@@ -55,15 +59,16 @@ def test_signs_with_a_meaning_to_a_page_a_table_or_a_terminal_are_not_shown(sign
 
 
 @pytest.fixture(scope="module")
-def cube(handout):
-    return snapmap.sweep(handout, [800, 1000, 1300], [800, 1500], [25, 200], **CHEAP)
+def cube(study):
+    return snapmap.sweep(study, [800, 1000, 1300], [800, 1500], [25, 200])
 
 
-def test_an_opened_cube_has_outcomes_in_words(cube, tmp_path):
+def test_an_opened_cube_is_that_of_sweep_and_of_the_file(cube, tmp_path):
     write(cube, tmp_path / "cube.nc")
     opened = snapmap.open_cube(tmp_path / "cube.nc")
-    np.testing.assert_array_equal(opened.outcome_code, cube.outcome)
-    assert (opened.outcome == np.array(OUTCOMES)[cube.outcome.values]).all()
+    with xr.open_dataset(tmp_path / "cube.nc") as file:
+        assert file.identical(opened) and opened.outcome.identical(cube.outcome)
+    assert file.outcome.dtype == opened.outcome.dtype == cube.outcome.dtype == np.int8
     with pytest.raises(ValueError, match=r"none\.nc' is not the path of a file"):
         snapmap.open_cube(tmp_path / "none.nc")
     whole = (tmp_path / "cube.nc").read_bytes()

@@ -24,6 +24,16 @@ def test_the_sine_is_right_to_two_units_in_the_last_place_and_exact_where_it_can
     assert [portable.sine(value) for value in turns] == values.tolist()
 
 
+def test_the_sine_of_an_array_has_the_bits_of_the_sine_of_each_number():
+    rng = np.random.default_rng(2)
+    spread = rng.normal(size=5000) * np.ldexp(1.0, rng.integers(-1000, 50, 5000))
+    quarters, near = np.arange(-41, 42) / 4, np.nextafter(0.25, [0.0, 1.0])
+    turns = np.concatenate([rng.uniform(-3, 3, 5000), spread, quarters, near, [0.0, -0.0]])
+    each = np.array([portable.sine(value) for value in turns.tolist()])
+    assert portable.sines(turns).tobytes() == each.tobytes()
+    assert portable.sines(turns[:12].reshape(3, 4)).shape == (3, 4)
+
+
 def test_ranges_have_even_steps_right_to_14_digits_and_finer_ones_the_same_values():
     values = geometric(100.0, 3e4, 31)
     assert values[0] == 100.0 and values[-1] == 3e4 and geometric(5.0, 5.0, 1).tolist() == [5.0]

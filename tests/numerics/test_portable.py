@@ -17,7 +17,7 @@ FUNCTIONS = {
 ALLOWED = {
     "only shown": (
         *("figures/", "applications/boundary/figure.py", "applications/calibration/figure.py"),
-        *("applications/design/design.py", "thresholds/surface.py:to_digits"),
+        *("applications/design/design.py", "thresholds/summary.py:to_digits"),
     ),
     "rounded to few digits": (
         *("applications/calibration/", "applications/tolerances/sensitivity.py"),
@@ -25,7 +25,7 @@ ALLOWED = {
     ),
     "only counts, compares or predicts": (
         *("applications/requirements/corners.py:beyond", "applications/tolerances/statistics.py"),
-        *("thresholds/regression.py", "thresholds/search.py:amplitudes"),
+        *("thresholds/regression.py", "thresholds/probe.py:amplitudes"),
     ),
     "said on the page about running to differ between libraries": (
         *("applications/spectra/", "applications/statics/statics.py:_tilted"),

@@ -1,22 +1,23 @@
 """The model `auto`: what it calls safe, against its own finest level over whole maps."""
 
+import flat
 import numpy as np
 import pytest
 from varied import varied
 
-import snapmap
 from snapmap.solver.adaptive import DISPUTED, RUNGS, TOLERANCE, build_adaptive
 from snapmap.solver.cells import to_cells
-from snapmap.solver.settings import Settings
+from snapmap.solver.outcome import SNAPPED
+from snapmap.solver.settings import Run
 
-SNAP = Settings(horizon=1500.0, until="snap", repeat=False)
+SNAP = Run(horizon=1500.0, until="snap", repeat=False)
 
 
 def own_map(device, C):
     """40 x 40 cells about the device's own threshold; the amplitudes from a coarse first look."""
     f0 = np.geomspace(400, 2e4, 40)
     scan = np.geomspace(20, 2e5, 200)
-    cube = snapmap.sweep(device, scan, f0[::13], [C], model="cosines", until="snap")
+    cube = flat.sweep(device, scan, f0[::13], [C], model="cosines", until="snap")
     first = cube.N.where(cube.t_snap.notnull()).min().item()
     F, N = np.meshgrid(f0, np.linspace(0.7, 2.5, 40) * first, indexing="ij")
     return to_cells(device, 0, N, F, C, SNAP.horizon)
@@ -35,7 +36,7 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     adaptive, cells = build_adaptive(device), own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
     check, top = (
-        np.isfinite(level.follow(cells, SNAP._replace(until=until)).t_snap)
+        np.isfinite(level.follow(cells, SNAP.but(until=until)).t_snap)
         for level, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
     )
     wrong = np.isfinite(seen.t_snap) != top
@@ -47,12 +48,12 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
 @pytest.mark.parametrize("until", ["snap", "settled"])
 def test_labels_change_where_the_threshold_is(handout, until):
     """Of fast pulses; in the steps of other cells they change up to 0.5 % below."""
-    edges = snapmap.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
+    edges = flat.threshold(handout, f0=[9858.0, 12617.0, 12750.0, 13167.0], C=[25.0])
     assert not edges.ragged.any()
     share = 1e-3 * np.arange(-10.5, 10)
     for f0, first in zip(edges.f0.values, edges.N_first.values.ravel(), strict=True):
         grid = first * (1 + share), [f0], [25.0]
-        labels = snapmap.sweep(handout, *grid, until=until, repeat=False).t_snap
+        labels = flat.sweep(handout, *grid, until=until, repeat=False).t_snap
         far = abs(share) > labels.label_distance
         np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 
@@ -75,7 +76,7 @@ def test_every_level_follows_a_mass_that_strikes_fast(handout, values, N, f0, C,
     device, cells = varied(handout, **values), {"N": N, "f0": [f0], "C": [C], "pulse": "half sine"}
     cells |= {"start": "second", "until": "snap", "horizon": 616.0}
     for model in ("auto", *({"name": "cosines", "modes": modes} for modes in levels)):
-        assert few <= snapmap.sweep(device, **cells, model=model).t_snap.notnull().sum() <= many
+        assert few <= flat.sweep(device, **cells, model=model).t_snap.notnull().sum() <= many
 
 
 def test_a_tolerance_sets_the_steps(handout):
@@ -91,20 +92,22 @@ def test_a_tolerance_sets_the_steps(handout):
 def test_auto_by_name_records_how_it_decided(handout):
     N = np.linspace(900, 1100, 41)
     cell = {"N": N, "f0": [1500.0], "C": [0.025], "horizon": 300.0}
-    cube = snapmap.sweep(handout, **cell, model="auto", tolerance=1e-3)
+    cube = flat.sweep(handout, **cell, model="auto", tolerance=1e-3)
     assert cube.level.flag_meanings == "base top"
     first = int(np.argmax(np.isfinite(cube.t_snap.values.ravel())))
     assert cube.level.values.ravel()[first - 1 : first + 1].tolist() == [1, 1]
     assert (cube.level == 0).sum() > 30 and cube.agreed.all()
-    shuffled = snapmap.sweep(handout, **(cell | {"N": N[::-1]}), model="auto")
+    shuffled = flat.sweep(handout, **(cell | {"N": N[::-1]}), model="auto")
     np.testing.assert_array_equal(shuffled.t_snap.values[..., ::-1], cube.t_snap.values)
 
 
 def test_a_history_is_that_of_the_finest_level_and_as_a_sweep_says_of_its_cell(handout):
     """In shorter steps than those of the sweep, so the times of the snap differ a little."""
     shock = 1000.0, 1500.0, 0.025
-    run = snapmap.simulate(handout, *shock, horizon=100.0)
-    finest = snapmap.simulate(handout, *shock, "cosines", modes=RUNGS[-1], horizon=100.0)
+    run = flat.simulate(handout, *shock, horizon=100.0)
+    finest = flat.simulate(handout, *shock, "cosines", modes=RUNGS[-1], horizon=100.0)
     assert run.t_snap == finest.t_snap and run.time_step == finest.time_step
-    cube = snapmap.sweep(handout, *([value] for value in shock), horizon=100.0)
-    assert run.t_snap == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == "snapped"
+    cube = flat.sweep(handout, *([value] for value in shock), horizon=100.0)
+    assert (
+        run.t_snap.item() == pytest.approx(cube.t_snap.item(), rel=2e-3) and run.outcome == SNAPPED
+    )

@@ -1,10 +1,10 @@
 """The same bits in any company: of other cells, in any order, on threads, and in a batch."""
 
+import flat
 import numpy as np
 import pytest
 from varied import varied
 
-import snapmap
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
 from snapmap.solver import simd_loop
@@ -12,26 +12,27 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import no_observations, to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.outcome import FAILED, NEVER
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from studies.random_devices import draw_widest_device
 
 
 def test_a_cell_does_not_depend_on_order_number_or_threads(handout):
     rng = np.random.default_rng(5)
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     N, f0 = rng.uniform(600, 2400, 5 * LANES + 3), rng.uniform(300, 2e4, 5 * LANES + 3)
     cells = to_cells(handout, 0, N, f0, 0.025, 300.0)
-    together, order = model.follow(cells, Settings())[:6], rng.permutation(N.size)
-    shuffled = model.follow(cells.take(order), Settings(threads=2))[:6]
-    first = model.follow(cells.take(slice(1)), Settings())[:6]
+    together, order = model.follow(cells, Run())[:6], rng.permutation(N.size)
+    shuffled = model.follow(cells.take(order), Run(threads=2))[:6]
+    first = model.follow(cells.take(slice(1)), Run())[:6]
     for whole, mixed, single in zip(together, shuffled, first, strict=True):
         np.testing.assert_array_equal(whole[order], mixed)
         np.testing.assert_array_equal(whole[:1], single)
 
 
 def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     sizes = []
 
     def march(model, cells, dt, settings):
@@ -41,20 +42,20 @@ def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
     monkeypatch.setattr(simd_loop, "march", march)
     for size in (1, LANES, LANES + 1, 8 * LANES):
         cells = to_cells(handout, 0, np.full(size, 900.0), 1500.0, 0.025, 300.0)
-        model.follow_once(cells, Settings(threads=4))
+        model.follow_once(cells, Run(threads=4))
     assert sorted(sizes) == sorted([1, LANES, LANES // 2 + 1, LANES // 2, *[2 * LANES] * 4])
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
-    cube = snapmap.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
+    cube = flat.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
     assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
 
 
 MODELS = {
-    "all modes": {"name": "elements"},
-    "elements": {"name": "elements", "elements": 10, "modes": 5},
-    "cosines": {"name": "cosines", "modes": 3},
-    "auto": {"name": "auto"},
+    "all modes": Elements(),
+    "elements": Elements(elements=10, modes=5),
+    "cosines": Cosines(modes=3),
+    "auto": Auto(),
 }
 
 
@@ -73,7 +74,7 @@ def test_a_device_in_a_batch_does_what_it_does_alone(devices, name):
         devices = [device for device in devices if not device.beam.free]
     if name == "all modes":  # its modes depend on the contact
         devices = [device for device in devices if np.isfinite(device.contact)]
-    together, settings = choose_model(batch(devices), MODELS[name]), Settings(horizon=200.0)
+    together, settings = choose_model(batch(devices), MODELS[name]), Run(horizon=200.0)
     N = np.outer([static_threshold(device) for device in devices], np.linspace(0.7, 2.0, 14))
     f0, number = np.array([[700.0], [3000.0]]), np.arange(len(devices))[:, np.newaxis]
     loads = np.tile(N, (2, 1)), np.repeat(f0, len(devices), axis=0), 5.0, 200.0
@@ -92,9 +93,9 @@ def test_a_device_in_a_batch_does_what_it_does_alone(devices, name):
 )
 def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, contacts):
     asked = {"f0": [1500.0, 9000.0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
-    together = snapmap.threshold(handout, **asked, contact=contacts)
+    together = flat.threshold(handout, **asked, contact=contacts)
     for contact in contacts:
-        alone = snapmap.threshold(varied(handout, contact=contact), **asked)
+        alone = flat.threshold(varied(handout, contact=contact), **asked)
         slice_of_all = together.sel(contact=contact)
         for name in alone:
             single, whole = alone[name].values, slice_of_all[name].values

@@ -3,21 +3,24 @@
 import re
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from conserving_loop import assert_followed
 from varied import in_steps, varied
 
-import snapmap
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.kernel import rows as R
+from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
-from snapmap.solver.plain_loop import System, follow, nodal_system
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.nodal import System, nodal_system
+from snapmap.solver.options import Cosines
+from snapmap.solver.plain_loop import follow
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def march(device, N, f0, C, dt, duration, target=-np.inf, change=lambda system: system):
@@ -27,7 +30,7 @@ def march(device, N, f0, C, dt, duration, target=-np.inf, change=lambda system: 
     history = np.zeros((steps, 2 * basis.load.size + 4))
     system = change(nodal_system(device, basis))
     shock = make_pulse().curve, N * device.gravity, f0
-    result = follow(system, *shock, C, target, dt, steps, history)
+    result = follow(system, CellRun(*shock, C, target, dt, steps, history))
     return np.arange(steps) * dt, history, result
 
 
@@ -96,7 +99,7 @@ DEVICES = {
 @pytest.mark.parametrize("name", DEVICES)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
 def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
-    model = build_model(varied(handout, **DEVICES[name]), kind, modes=3)
+    model = build_model(varied(handout, **DEVICES[name]), flat.model(kind, modes=3))
     motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
     assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
@@ -106,11 +109,11 @@ def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, 
 def test_energy_is_conserved_to_rounding(handout, name, kind):
     """Over thousands of impacts, in steps a hundred times apart."""
     device = varied(handout, **DEVICES[name])
-    model = build_model(device, kind, modes=3)
+    model = build_model(device, flat.model(kind, modes=3))
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
     for factor in (1.0, 10.0, 100.0):
-        seen = model.with_step(factor).follow_once(cells, Settings(5000.0))
+        seen = model.with_step(factor).follow_once(cells, Run(5000.0))
         assert seen.energy_error.max() < 1e-11
 
 
@@ -119,7 +122,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
         fix_step(step)
-        run = snapmap.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
+        run = flat.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
         early = run.sel(time=slice(20, 300))
         assert (early.contact_force > 0).all()
         end = run[["w_mid", "z_mass"]].interp(time=300.0, method="cubic")
@@ -131,18 +134,19 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
 def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     """The step knows nothing of contact, and a penalty without end is hard contact."""
     devices = (varied(handout, contact=contact) for contact in (np.inf, 1e12))
-    hard, stiff = (build_model(device, "cosines", modes=5) for device in devices)
+    hard, stiff = (build_model(device, Cosines(modes=5)) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
-    t_snaps = [model.follow(cells, Settings(300.0, until="snap")).t_snap for model in (hard, stiff)]
+    t_snaps = [model.follow(cells, Run(300.0, until="snap")).t_snap for model in (hard, stiff)]
     np.testing.assert_allclose(*t_snaps, rtol=1e-6)
     assert np.isfinite(t_snaps[0]).any() and np.isnan(t_snaps[0]).any()
 
 
 def threshold(device, name, C=0.025, step=None, **size):
-    model, settings = build_model(device, name, **size), Settings(300.0, until="snap")
+    model, settings = build_model(device, flat.model(name, **size)), Run(300.0, until="snap")
     model = in_steps(model, step) if step else model
-    return lowest_snap(model, to_rows(0, 1500.0, C), (700.0, 1100.0), settings, 1e-6).item()
+    probe = Probe(model, to_rows(0, 1500.0, C), settings)
+    return lowest_snap(probe, (700.0, 1100.0), 1e-6).item()
 
 
 def test_the_handouts_elements_have_the_threshold_of_the_reference(handout):
@@ -170,13 +174,15 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     bounds = {"LANES", "STATE", "VECTORS"}
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)
-    assert set(in_plain_loop) <= {*System._fields, *follow.py_func.__code__.co_varnames}
+    of_loop = {*CellRun._fields, *Ledger._fields}
+    of_loop |= {*System._fields, *follow.py_func.__code__.co_varnames}
+    assert set(in_plain_loop) <= of_loop
 
 
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):
-    def seconds_of_a_step(*name):
+    def seconds_of_a_step(name):
         cells = to_cells(handout, 0, 900.0, [1000.0], 25.0, 1500.0)
-        dt, seconds = steps_and_seconds(build_model(handout, *name), cells, Settings())
+        dt, seconds = steps_and_seconds(build_model(handout, flat.model(name)), cells, Run())
         return (seconds * dt / cells.t_end).item()
 
     assert seconds_of_a_step("reference") > 10 * seconds_of_a_step("elements")

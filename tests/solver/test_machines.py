@@ -13,6 +13,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import flat
 import snapmap
 from snapmap.beam.modal import natural_frequency
 from snapmap.study.netcdf import write
@@ -27,16 +28,16 @@ chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.02
 
 
 def sweep(model, device=device, **options):
-    return snapmap.sweep(device, **chaotic, model=model, **options)
+    return flat.sweep(device, **chaotic, model=model, **options)
 
 
 products = {
     "cosines": lambda: sweep("cosines", modes=3),
     "elements": lambda: sweep("elements", elements=2),
     "reference": lambda: sweep("reference", elements=2),
-    "history": lambda: snapmap.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
+    "history": lambda: flat.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
     "quality": lambda: sweep("cosines", ringing, modes=3),
-    "threshold": lambda: snapmap.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
+    "threshold": lambda: flat.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
 }
 for name in names or products:
     product = products[name]()
@@ -71,7 +72,8 @@ OTHERS = {
 def compute(root, folder, processor, *names):
     """The hash of each file of the study, computed by a process with the given environment."""
     command = [sys.executable, "-c", STUDY, root / "config" / "config.yaml", folder, *names]
-    path = {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    folders = root / "workflow" / "scripts", root / "tests"
+    path = {"PYTHONPATH": os.pathsep.join(map(str, folders))}
     run = subprocess.run(command, env=os.environ | path | processor, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
     return dict(line.rsplit(maxsplit=1) for line in run.stdout.splitlines())

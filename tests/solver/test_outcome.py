@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from varied import in_steps, varied
@@ -13,6 +14,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.outcome import (
     FAILED,
     LATCHED,
@@ -23,7 +25,7 @@ from snapmap.solver.outcome import (
     UNSNAPPED,
     label,
 )
-from snapmap.solver.settings import STAY, Settings
+from snapmap.solver.settings import STAY, Run
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -54,10 +56,10 @@ def recorded(model, cells, i, dt, steps):
 def test_a_latched_beam_never_rises_past_the_saddle_again(handout):
     """Followed on in the same steps, the midpoint of a latched beam never rises past the saddle."""
     device = varied(handout, damping=4e-4)
-    model, saddle = build_model(device, "cosines", modes=3), -device.beam.rise / 3
+    model, saddle = build_model(device, Cosines(modes=3)), -device.beam.rise / 3
     cells = to_cells(device, 0, *random_cells(30, 2, [25.0, 200.0]), 6000.0)
-    seen, dt = model.follow_once(cells, Settings(6000.0)), model.steps.of(cells, STAY)
-    outcome = label(*seen[:4], Settings().energy_tolerance)
+    seen, dt = model.follow_once(cells, Run(6000.0)), model.steps.of(cells, STAY)
+    outcome = label(*seen[:4], Run().energy_tolerance)
     snapped = np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))
     for i in snapped:
         time, w = recorded(model, cells, i, dt[i], int(2e4 / dt[i]))
@@ -71,7 +73,7 @@ def test_a_run_whose_energy_error_exceeds_its_margin_proves_nothing(handout, con
     """On purpose: the roughest steps. What is proven must be what a fine step shows."""
     device = varied(handout, contact=contact)
     N, *others = random_cells(100, 3, [0.025, 25.0])
-    model, settings = build_model(device, "cosines", modes=3), Settings(3000.0)
+    model, settings = build_model(device, Cosines(modes=3)), Run(3000.0)
 
     def follow(N, step):
         return in_steps(model, step).follow(to_cells(device, 0, N, *others, 3000.0), settings)
@@ -82,7 +84,7 @@ def test_a_run_whose_energy_error_exceeds_its_margin_proves_nothing(handout, con
         seen = follow(N, step)
         outcome = label(*seen[:4], settings.energy_tolerance)
         proven = np.isin(outcome, PROVEN)
-        assert (seen.energy_error[proven] <= Settings().energy_tolerance).all()
+        assert (seen.energy_error[proven] <= Run().energy_tolerance).all()
         never = (outcome == NEVER) & away
         assert never.sum() > 20 and nearby[1][never].all()
 
@@ -92,9 +94,9 @@ def test_a_run_proves_nothing_while_it_keeps_more_energy_than_the_barrier(handou
     N, shares = [600.0, 750.0, 850.0, 870.0, 880.0], [*(1 - np.geomspace(1e-7, 1e-2, 11)), 2.0]
 
     def follow_under(energy, device, which, N):
-        built = in_steps(build_model(device, "elements"), 1.0)
+        built = in_steps(build_model(device, Elements()), 1.0)
         built = replace(built, barrier=built.barrier._replace(energy=energy))
-        return built.follow_once(to_cells(device, which, N, 3e3, 0.0, 3e3), Settings(3e3))
+        return built.follow_once(to_cells(device, which, N, 3e3, 0.0, 3e3), Run(3e3))
 
     work = follow_under(0.0, handout, 0, N).pulse_work
     barriers = np.outer(work, shares).ravel()
@@ -108,17 +110,17 @@ def test_a_snap_seen_together_with_the_end_of_its_pulse_is_followed_on(root):
     device = snapmap.load_device(root / "config" / "sensor.yaml")
     N, f0 = np.linspace(1240.0, 1280.0, 41), np.linspace(7900.0, 8000.0, 5)
     asked = {"model": "cosines", "cosines": 3, "horizon": 4000, "pulse": "half sine"}
-    cube = snapmap.sweep(device, N, f0, [100.0], **asked)
+    cube = flat.sweep(device, N, f0, [100.0], **asked)
     assert not np.isin(cube.outcome.where(cube.well == 0), PROVEN).any()
-    to_snap = snapmap.sweep(device, N, f0, [100.0], until="snap", **asked)
+    to_snap = flat.sweep(device, N, f0, [100.0], until="snap", **asked)
     assert not np.isin(to_snap.outcome, (LATCHED, RETURNED)).any()
 
 
 def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
-    built, horizon = build_model(handout, "cosines", modes=3), 900.0
+    built, horizon = build_model(handout, Cosines(modes=3)), 900.0
     cells = to_cells(handout, 0, *random_cells(48, 7, [0.025, 25.0]), horizon)
-    seen, swing = built.follow_once(cells, Settings(horizon)), 2 * np.pi / handout.own_frequency
+    seen, swing = built.follow_once(cells, Run(horizon)), 2 * np.pi / handout.own_frequency
     dt = built.steps.of(cells, STAY)
     assert set(seen.well) == {1, 2}
     np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)

@@ -2,6 +2,7 @@
 
 import json
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -20,7 +21,9 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 BACK = {"start": "second", "direction": "-z"}
@@ -31,7 +34,7 @@ def test_a_buckled_straight_beam_is_its_own_mirror_image(handout):
     """Both shapes are alike: back along -z is there along +z, to the rise of 1e-8 that it has."""
     device = alone(handout, rise=0.0, residual_stress=-60.0, damping=2e-2)
     grid, asked = (np.linspace(0.0, 1.5e5, 16), [2e4], [0.0]), CHEAP | {"horizon": 300.0}
-    there, back = (snapmap.sweep(device, *grid, **asked, **each) for each in ({}, BACK))
+    there, back = (flat.sweep(device, *grid, **asked, **each) for each in ({}, BACK))
     assert len(np.unique(there.outcome)) > 2
     np.testing.assert_array_equal(back.outcome, there.outcome)
     np.testing.assert_array_equal(back.well, 3 - there.well)
@@ -49,13 +52,13 @@ def test_the_reset_force_is_the_closed_form(handout):
     assert 0 < error < 1e-6 * force and force == pytest.approx(exact, abs=2 * error)
     for made in ({"residual_stress": -20.0}, {"cosine_2": 0.2, "residual_stress": -150.0}):
         device = alone(handout, 1.0, **made)
-        least = snapmap.statics(device).least_force
+        least = snapmap.statics(device).least_force.item()
         assert static_threshold(device, back=True) == pytest.approx(-least, rel=1e-5)
 
 
 def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     """With its mass, by the beam's own inertia: -z from the second shape."""
-    model = build_model(handout, "cosines", modes=3).with_step(0.25)
+    model = build_model(handout, Cosines(modes=3)).with_step(0.25)
     N, form, mass = 5.5e4, model.modal, handout.mass
     stiffness = contact_stiffness(handout, form.residual)
 
@@ -75,10 +78,10 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     start = np.append(model.second.modes, np.zeros(5))
     run = solve_ivp(rate, (0, 50), start, "DOP853", rtol=1e-9, atol=1e-9, **snap)
     cells = to_rows(0, 2e4, 25.0).cells(handout, -N, 0.0)
-    seen = model.follow(cells, Settings(0.0, "snap", start="second"))
+    seen = model.follow(cells, Run(0.0, "snap", start="second"))
     assert seen.t_snap.item() == pytest.approx(run.t_events[0][0], rel=1e-5)
     fast, slow = (
-        snapmap.sweep(handout, [N], [2e4], [25.0], name, elements=3, until="snap", **BACK)
+        flat.sweep(handout, [N], [2e4], [25.0], name, elements=3, until="snap", **BACK)
         for name in ("elements", "reference")
     )
     assert slow.t_snap.item() == pytest.approx(fast.t_snap.item(), rel=1e-3)
@@ -86,15 +89,15 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
 
 def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
     device = varied(handout, stop_away=30.0, damping=4e-4)
-    run = snapmap.simulate(device, 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    run = flat.simulate(device, 6e4, 2e4, 25.0, **CHEAP, **BACK)
     parts = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
     kept = sum(run[f"{part}_energy"] for part in parts) - run.pulse_work
-    depth = build_model(device, "cosines", modes=3).second.energy
+    depth = build_model(device, Cosines(modes=3)).second.energy
     assert depth == pytest.approx(385.96, abs=0.01)
     assert abs(kept - depth).max() < 1e-9 * run.pulse_work.max()
     assert run.w_mid.max() > run.first_equilibrium == device.beam.rise
     # An electrode that the second shape touches opens as the beam leaves, and is closed till then.
-    run = snapmap.simulate(varied(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    run = flat.simulate(varied(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
     rising = run.isel(time=slice(run.w_mid.values.argmax()))
     leaves = np.interp(-7.0, rising.w_mid, rising.time)
     assert run.t_closed == 0 and run.closed_for == pytest.approx(leaves, abs=0.01)
@@ -105,7 +108,7 @@ def test_what_is_proven_holds_for_longer_runs(handout):
     device = varied(handout, stop_away=6.0, damping=4e-3)
     grid = np.geomspace(1e3, 1.5e5, 16), [3e3, 2e4], [25.0, 500.0]
     asked = CHEAP | {"start": "second", "direction": "both"}
-    cube, longer = (snapmap.sweep(device, *grid, **asked, horizon=h) for h in (3e3, 6e3))
+    cube, longer = (flat.sweep(device, *grid, **asked, horizon=h) for h in (3e3, 6e3))
     never, latched, returned = (cube.outcome == code for code in (1, 3, 4))
     assert never.any() and latched.any()
     proven = (never | latched | returned).values
@@ -116,27 +119,27 @@ def test_what_is_proven_holds_for_longer_runs(handout):
 
 def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout):
     device = alone(handout, 1.0, damping=4e-3)
-    edges = snapmap.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
+    edges = flat.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
     assert (edges.N_bound < edges.N_first).all()
     assert edges.N_static.item() == pytest.approx(reset_force(device.beam)[0], rel=1e-6)
-    there = snapmap.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
-    assert json.loads(edges.attrs["config"])["sweep"]["start"] == "second"
-    assert "start" not in json.loads(there.attrs["config"])["sweep"]
+    there = flat.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
+    assert json.loads(edges.attrs["config"])["run"]["start"] == "second"
+    assert "start" not in json.loads(there.attrs["config"])["run"]
     shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": "arrives", "N": 45.0}
     study = Study(device=device, model={"name": "cosines", "modes": 3})
-    asked = [{"name": name, "start": name, **shock} for name in ("first", "second")]
+    asked = [Shock(name=name, start=name, **shock) for name in ("first", "second")]
     assert [line.verdict for line in check(study, asked, [0.0])] == ["failed", "met"]
 
 
 def test_the_energy_above_the_second_shape_is_within_both_bounds(handout):
     """solver/bounds.py: while the beam is in that well; of a pulse of area 1/2 and variation 2."""
     for device in (handout, alone(handout)):
-        run = snapmap.simulate(device, 4e4, 2e4, 0.0, **CHEAP, **BACK, horizon=0.0)
+        run = flat.simulate(device, 4e4, 2e4, 0.0, **CHEAP, **BACK, horizon=0.0)
         assert run.w_mid.max() < run.second_equilibrium + 6  # before the saddle
         gained, peak = run.pulse_work.max().item(), 4e4 * device.gravity
         speed, weight = peak / (2 * 2e-2), device.mass + device.beam.weight
         assert 0 < gained < weight / 2 * speed**2
-        model = build_model(batch([device]), "cosines", modes=3)
+        model = build_model(batch([device]), Cosines(modes=3))
         depth = (model.barrier.energy - model.second.energy).item()
         fast, slow = least_amplitudes(model, to_rows(0, [2e4, 1.0], 0.0), "second")
         assert fast == pytest.approx(np.sqrt(2 * depth / weight) * 4e-2 / device.gravity, rel=1e-6)
@@ -147,10 +150,10 @@ def test_a_requirement_begins_where_it_says_or_its_study_does(root):
     whole = yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
     shock = {"N": 1000, "f0": "2 kHz", "snaps": True}
     whole["requirements"] = [{"name": "a", **shock, "start": "second"}, {"name": "b", **shock}]
-    assert [shock.get("start") for shock in shocks_of(load_config(whole))] == ["second", None]
-    whole["sweep"]["start"] = "second"
+    assert [shock.start for shock in shocks_of(load_config(whole))] == ["second", "first"]
+    whole["run"] = {"start": "second"}
     study = load_config(whole)
-    assert study.settings.start == study.of_thresholds().settings.start == "second"
-    whole["sweep"]["start"] = "third"
+    assert study.run.start == study.of_thresholds().run.start == "second"
+    whole["run"] = {"start": "third"}
     with pytest.raises(ValueError, match="start: 'third' is not"):
         load_config(whole)

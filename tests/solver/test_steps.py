@@ -10,26 +10,27 @@ from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import FIRST, SECOND, Settings
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import FIRST, SECOND, Run
 from snapmap.solver.steps import (
     arch_frequency,
     largest_speed,
     strike_tightening,
     striking_speed,
 )
-from snapmap.thresholds.search import lowest_snap
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
     """Of a single cosine by 1 + 12 Q^2 / 8."""
-    modal = build_model(handout, "cosines", modes=1).modal
+    modal = build_model(handout, Cosines(modes=1)).modal
     ratio = arch_frequency(modal) ** 2 / modal.stiffness[0]
     assert ratio == pytest.approx(1 + 1.5 * handout.beam.bistability**2, rel=1e-12)
 
 
 def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
     """T = v sqrt(EA M/L) and omega^2 = T (2 pi/L)^2 / (3 rho A)."""
-    modal, beam = build_model(handout, "cosines", modes=1).modal, handout.beam
+    modal, beam = build_model(handout, Cosines(modes=1)).modal, handout.beam
     tension = np.sqrt(beam.youngs_modulus * beam.area * handout.mass / beam.span)
     expected = tension * (2 * np.pi / beam.span) ** 2 / (3 * beam.density * beam.area)
     assert strike_tightening(handout.mass, modal) == pytest.approx(expected, rel=1e-12)
@@ -57,8 +58,8 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
     np.testing.assert_array_equal(striking_speed(handout, cells, SECOND), fastest)
     np.testing.assert_array_equal(striking_speed(stopped, cells, FIRST), [0.0, fastest[1]])
     usual, shorter = (
-        build_model(device, "cosines", modes=3).time_steps(
-            cells._replace(amplitude=1e6 * fastest), Settings()
+        build_model(device, Cosines(modes=3)).time_steps(
+            cells._replace(amplitude=1e6 * fastest), Run()
         )
         for device in (handout, stopped)
     )
@@ -66,16 +67,16 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
 
 
 def threshold(model, f0, C, pulse, tolerance):
-    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Settings(300.0, until="snap")
+    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Run(300.0, until="snap")
     reach = static_threshold(model.device) * np.array([0.5, 4.0])
-    return lowest_snap(model, rows, tuple(reach), settings, tolerance)
+    return lowest_snap(Probe(model, rows, settings), tuple(reach), tolerance)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("contact", [40.0, np.inf])
 def test_thresholds_do_not_change_in_a_tenth_of_the_step(handout, shape, contact):
     """Within 0.1 %, in rows in which labels change once."""
-    model = build_model(replace(handout, contact=contact), "cosines", modes=3)
+    model = build_model(replace(handout, contact=contact), Cosines(modes=3))
     asked = [100.0, 300.0, 1000.0], 200.0, make_pulse(shape), 1e-5
     usual, fine = (threshold(each, *asked) for each in (model, model.with_step(0.1)))
     np.testing.assert_allclose(usual, fine, rtol=1e-3)
@@ -85,7 +86,7 @@ def test_thresholds_do_not_change_in_a_tenth_of_the_step(handout, shape, contact
 def test_slow_thresholds_are_exact_to_1e_4(handout, values):
     """At rest on the beam, a hundred times as heavy, or across a gap, on a stiff spring too."""
     device = replace(handout, **values)
-    f0, model = device.own_frequency / 2e-6 / np.pi, build_model(device, "cosines", modes=3)
+    f0, model = device.own_frequency / 2e-6 / np.pi, build_model(device, Cosines(modes=3))
     asked = np.array([0.01, 0.028]) * f0, 25.0, make_pulse(), 1e-6
     usual, fine = (threshold(each, *asked) for each in (model, model.with_step(0.2)))
     np.testing.assert_allclose(usual, fine, rtol=1e-4)

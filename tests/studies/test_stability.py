@@ -2,6 +2,7 @@
 
 import pytest
 
+from snapmap import Reference
 from studies.stability import verdicts as V
 from studies.stability.cases import CASES, MODELS
 from studies.stability.measure import measure
@@ -18,7 +19,7 @@ def cheap(handout):
     """The short cases with two cheap models of the kernel and the plain loop, at a few steps."""
     cases = [case for case in CASES if case.name in SHORT]
     models = {name: MODELS[name] for name in ("3 cosines", "5 cosines")}
-    models["reference"] = {"name": "reference", "elements": 2}
+    models["reference"] = Reference(elements=2)
     return measure(handout, cases, models, steps=(0.4, 1.0, 1.5), threads=2)
 
 

@@ -4,13 +4,13 @@ import itertools
 import math
 from dataclasses import replace
 
+import flat
 import pytest
 import yaml
 from small_results import assert_same_cube
 from small_studies import TINY
 from varied import varied
 
-import snapmap
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.sweeps.collect import collect_slabs
@@ -37,10 +37,10 @@ def test_every_value_can_be_an_axis(handout, key):
     nominal = getattr(handout.beam, key, None) or getattr(handout, key, None) or 1e-3
     values = [*dict.fromkeys((1.01 * nominal, 0.99 * nominal))]
     asked = {"N": SHOCK["N"], "f0": [1500.0], "C": [25.0], "until": "snap", **CHEAP}
-    cube = snapmap.sweep(handout, **asked, **{key: values})
+    cube = flat.sweep(handout, **asked, **{key: values})
     assert cube[key].values.tolist() == values and cube[key].attrs["units"]
     for i, value in enumerate(values):
-        assert same(cube.isel({key: i}), snapmap.sweep(varied(handout, **{key: value}), **asked))
+        assert same(cube.isel({key: i}), flat.sweep(varied(handout, **{key: value}), **asked))
 
 
 DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}
@@ -50,18 +50,18 @@ DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}
 def test_devices_by_name_and_their_values_are_axes(handout, model):
     devices = {name: varied(handout, **values) for name, values in DEVICES.items()}
     asked = SHOCK | {"horizon": 200.0, "threads": 2} | MODELS[model]
-    cube = snapmap.sweep(devices, **asked, spring=[5.0, 6.5])
+    cube = flat.sweep(devices, **asked, spring=[5.0, 6.5])
     assert cube.outcome.dims == ("device", "spring", "C", "f0", "N")
     for (name, device), spring in itertools.product(devices.items(), [5.0, 6.5]):
-        alone = snapmap.sweep(varied(device, spring=spring), **asked)
+        alone = flat.sweep(varied(device, spring=spring), **asked)
         assert same(cube.sel(device=name, spring=spring), alone)
 
 
 def test_devices_by_name_are_an_axis_of_thresholds(handout):
     devices = {name: varied(handout, **values) for name, values in DEVICES.items()}
-    edges = snapmap.threshold(devices, [1500.0], [25.0], model="cosines")
+    edges = flat.threshold(devices, [1500.0], [25.0], model="cosines")
     for name, device in devices.items():
-        alone = snapmap.threshold(device, [1500.0], [25.0], model="cosines")
+        alone = flat.threshold(device, [1500.0], [25.0], model="cosines")
         assert same(edges[["N_first", "N_static"]].sel(device=name), alone)
 
 
@@ -83,7 +83,7 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     whole = document(thickness=["1.8 um", "1.9 um", "4 um"], not_bistable="skip")
     whole |= {"model": {"name": "cosines", "modes": 3}}
     study = load_config(whole)
-    slabs = make_plan(study.grid, study.model, study.settings).slabs
+    slabs = make_plan(study.grid, study.model, study.run).slabs
     sizes = [math.prod(map(len, slab.values())) for slab in slabs]
     assert len(slabs) > 4 and sum(sizes) == 96
     paths = [tmp_path / f"{slab_name(study, slab)}.nc" for slab in slabs]
@@ -91,4 +91,4 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
         write_slab(replace(study, skip=True), slab, path)
     cube = collect_slabs(paths, study.axes, whole)
     asked = CHEAP | {"horizon": 200.0, "skip": True}
-    assert_same_cube(cube, snapmap.sweep(study.device, **study.axes, **asked))
+    assert_same_cube(cube, flat.sweep(study.device, **study.axes, **asked))

@@ -2,6 +2,7 @@
 
 import json
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,9 +22,9 @@ def files(handout, tmp_path_factory):
     """A cube, a history and thresholds as files."""
     folder = tmp_path_factory.mktemp("files")
     made = {
-        "cube": snapmap.sweep(handout, [900.0, 1100.0], [1500.0, 3e3], [0.025], **MODEL),
-        "history": snapmap.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0, **MODEL),
-        "threshold": snapmap.threshold(handout, [1500.0], [0.025], horizon=300.0, **MODEL),
+        "cube": flat.sweep(handout, [900.0, 1100.0], [1500.0, 3e3], [0.025], **MODEL),
+        "history": flat.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0, **MODEL),
+        "threshold": flat.threshold(handout, [1500.0], [0.025], horizon=300.0, **MODEL),
     }
     for name, dataset in made.items():
         write(dataset, folder / f"{name}.nc")
@@ -60,4 +61,14 @@ def test_a_cube_is_decoded_as_it_was_written(handout, files):
         assert units == {"C": "uN us um-1", "f0": "Hz", "N": "1"}
         for key in ("t_snap", "t_settled"):
             assert cube[key].attrs["units"] == "us" and cube[key].dtype == np.float64
-        xr.testing.assert_equal(cube, snapmap.sweep(handout, cube.N, cube.f0, cube.C, **MODEL))
+        xr.testing.assert_equal(cube, flat.sweep(handout, cube.N, cube.f0, cube.C, **MODEL))
+
+
+def test_numbers_of_a_history_and_of_statics_are_variables_with_units(handout, files):
+    with xr.open_dataset(files / "history.nc") as run:
+        single = {key for key in run if not run[key].dims}
+        assert {"outcome", "t_snap", "stress_max", "barrier", "work_error"} <= single
+        assert run.outcome.attrs["flag_meanings"].split() == list(OUTCOMES[:ABSENT])
+        for made in (run, snapmap.statics(handout)):
+            assert all("units" in made[key].attrs for key in {*made} - {"outcome"})
+            assert all(isinstance(value, str) for value in made.attrs.values())

@@ -53,8 +53,15 @@ def test_a_flipped_or_cut_file_is_named(product):
 
 
 FIGURES = {"window": {"axes": {}}, "explore": {"horizon": 0}}
-READERS = dict.fromkeys([draw.draw_study, page.draw, stress.run, window.draw], FIGURES)
-READERS |= {calibration.draw: FIGURES, statics.draw: {"statics": {}}, tolerances.draw: FIGURES}
+READERS = dict.fromkeys(
+    [draw.draw_study, page.application.draw, stress.application.run, window.application.draw],
+    FIGURES,
+)
+READERS |= {
+    calibration.application.draw: FIGURES,
+    statics.application.draw: {"statics": {}},
+    tolerances.application.draw: FIGURES,
+}
 
 
 @pytest.mark.parametrize("reader", READERS)
@@ -78,5 +85,7 @@ def test_verdicts_on_a_full_disk_are_named(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "replace", replace)
     with pytest.raises(OSError, match=r"requirements\.csv: not written, .* MB are free there"):
-        requirements.run(load_config(yaml.safe_load(text)), tmp_path / "requirements.csv")
+        requirements.application.run(
+            load_config(yaml.safe_load(text)), tmp_path / "requirements.csv"
+        )
     assert not [*tmp_path.iterdir()]

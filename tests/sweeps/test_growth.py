@@ -2,6 +2,7 @@
 
 import itertools
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -15,7 +16,6 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
 from snapmap.sweeps.collect import collect_slabs
-from snapmap.sweeps.cube import sweep
 from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
@@ -37,16 +37,16 @@ def study(N, f0, C=(25.0,), model="cosines"):
 
 
 def cut(whole):
-    return make_plan(whole.grid, whole.model, whole.settings).slabs
+    return make_plan(whole.grid, whole.model, whole.run).slabs
 
 
 def seconds(slab):
     """The expected time of a slab."""
     whole = study(slab["N"], slab["f0"])
-    model = build_model(whole.device, **whole.model)
+    model = build_model(whole.device, whole.model)
     f0, N = np.meshgrid(slab["f0"], slab["N"])
-    cells = to_cells(whole.device, 0, N, f0, 1.0, whole.settings.horizon)
-    return steps_and_seconds(model, cells, whole.settings)[1].sum()
+    cells = to_cells(whole.device, 0, N, f0, 1.0, whole.run.horizon)
+    return steps_and_seconds(model, cells, whole.run)[1].sum()
 
 
 def cells_of(slabs):
@@ -121,7 +121,7 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
     options = {"modes": 3} if model == "cosines" else {}
-    in_one = sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    in_one = flat.sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 
@@ -153,11 +153,11 @@ def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeyp
     one = study([1], [1000])
     grid = one.grid._replace(axes=one.grid.axes | most)
     with pytest.raises(ValueError, match=r"^sweep\.f0: up to "):
-        make_plan(grid, one.model, one.settings)
+        make_plan(grid, one.model, one.run)
     grid.axes["N"] = np.arange(1e6 + 1)
     line = r"^sweep: 1e\+10 cells, more than 1e\+10; write fewer points$"
     with pytest.raises(ValueError, match=line):
-        make_plan(grid, one.model, one.settings)
+        make_plan(grid, one.model, one.run)
 
 
 def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, followed):

@@ -1,25 +1,21 @@
 """Islands that few runs or cheap levels might miss: against dense scans and eleven cosines."""
 
+import flat
 import numpy as np
 import pytest
 
-import snapmap
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, choose_survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import Window, asker, nothing_seen, outermost, scan
-from snapmap.thresholds.survey import (
-    CLEAN_REACH,
-    CLOSE_PLACES,
-    CLOSE_STEP,
-    close_edges,
-    lowest,
-    scan_ragged,
-    survey,
-)
+from snapmap.solver.options import Auto, Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
+from snapmap.thresholds.probe import Probe
+from snapmap.thresholds.ragged import CLEAN_REACH, scan_ragged
+from snapmap.thresholds.search import CLOSE_PLACES, CLOSE_STEP, Search, close_edges
+from snapmap.thresholds.survey import lowest, survey
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
 THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
@@ -42,20 +38,20 @@ TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
 )
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
     rows = to_rows(0, f0, C, 0, [how["pulse"]])
-    settings = Settings(how["horizon"], start=how["start"])
-    eleven = build_model(batch([device]), "cosines", modes=11)
+    settings = Run(how["horizon"], start=how["start"])
+    eleven = build_model(batch([device]), Cosines(modes=11))
 
     def snaps(step, N):
-        return np.isfinite(asker(eleven.with_step(step), rows, settings)(N[np.newaxis])[0])
+        return Probe(eleven.with_step(step), rows, settings).snaps(N[np.newaxis])[0]
 
     labels, finer_labels = (snaps(step, N) for step in (1.0, 0.5))
     sure = labels == finer_labels
     assert np.count_nonzero(np.diff(labels)) >= 3 and sure.mean() > 0.6
-    cube = snapmap.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
+    cube = flat.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
     np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[sure])
     assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
 
-    edges = snapmap.threshold(device, [f0], [C], **how).squeeze()
+    edges = flat.threshold(device, [f0], [C], **how).squeeze()
     N = np.geomspace(0.97, 1.02, 60) * edges.N_first.item()
     snapped = snaps(0.5, N)
     first = N[np.argmax(snapped)]
@@ -76,13 +72,13 @@ class Counted:
 
 def test_few_runs_beside_a_threshold_miss_no_stretch_that_counts(handout):
     """Of fast pulses, under which labels of some rows change back and forth."""
-    models, settings = choose_survey(batch([handout]), {"name": "auto"}), Settings()
+    models, settings = choose_survey(batch([handout]), Auto()), Run()
     f0 = np.array([[3e3], [5e3], [8e3], [11078.0], [15e3], [19734.0], [25e3]])
     rows, counted = to_rows(0, f0, [25.0, 100.0, 200.0]), Counted(models.decides)
-    N = lowest(models, rows, settings, 1e-4)
-    edges, begins, *_ = close_edges(counted, rows, settings, N / 1.0001, N)
+    N = lowest(Search(models, rows, settings))
+    edges, begins, *_ = close_edges(Probe(counted, rows, settings), N / 1.0001, N)
     window = Window(N / CLEAN_REACH, N * CLEAN_REACH, np.full(N.size, CLOSE_STEP))
-    dense, dense_begins, _ = scan(asker(models.decides, rows, settings), window.N)
+    dense, dense_begins, _ = scan(Probe(models.decides, rows, settings), window.N)
     np.testing.assert_array_equal(begins, dense_begins)
     seen, there = ([each.high[each.row == i] for i in range(N.size)] for each in (edges, dense))
     for N_row, few, many in zip(N, seen, there, strict=True):
@@ -112,13 +108,13 @@ def test_a_ragged_window_goes_on_below_every_change_of_any_model():
 def test_the_bar_of_a_ragged_row_reaches_the_first_snap_of_the_finest_model(handout):
     """Here of one in four times the step, so that it differs."""
     device = batch([handout])
-    models = choose_survey(device, {"name": "cosines", "modes": 3})
+    models = choose_survey(device, Cosines(modes=3))
     other = models.decides.with_step(4.0)
     models = models._replace(others=(models.decides,), finest=other)
-    rows, settings = to_rows(0, [1e4, 28e3], 0.025), Settings(horizon=300.0)
-    found = survey(models, rows, settings)
+    rows, settings = to_rows(0, [1e4, 28e3], 0.025), Run(horizon=300.0)
+    found = survey(Search(models, rows, settings))
     assert found.ragged.all()
     window = Window(found.N_first / 1.03, 1.03 * found.N_first, np.full(rows.f0.size, 1e-3))
-    edges, *_ = scan(asker(other, rows, settings, "snap"), window.N)
+    edges, *_ = scan(Probe(other, rows, settings, "snap"), window.N)
     firsts = outermost(edges.row, edges.high, rows.f0.size)[0]
     assert (abs(firsts - found.N_first) <= found.N_error).all()

@@ -1,15 +1,16 @@
 """Thresholds of devices unlike the handout's: light masses, stiff springs, chance draws."""
 
+import flat
 import numpy as np
 import pytest
 from varied import in_steps, varied
 
-import snapmap
 from snapmap.pulse.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.options import Auto, Cosines, Elements
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 from studies import coverage
 from studies.coverage import ask, draw_rows, judge, ratios
 from studies.random_devices import draw_device, draw_shocks
@@ -17,10 +18,10 @@ from studies.random_devices import draw_device, draw_shocks
 
 def assert_covered(device, f0, C, within, reach, shock=HANDOUT_SHOCK):
     """The bar covers the first snap of 20 elements, and is small; returns the threshold."""
-    edge = snapmap.threshold(device, [f0], [C], pulse=shock.pulse, threads=2).squeeze()
-    fine = in_steps(build_model(device, "elements", elements=20, modes=9), 0.3)
+    edge = flat.threshold(device, [f0], [C], pulse=shock.pulse, threads=2).squeeze()
+    fine = in_steps(build_model(device, Elements(elements=20, modes=9)), 0.3)
     rows, bracket = to_rows(0, f0, C, 0, shock.pulses), edge.N_first.item() * (1 + reach)
-    truth = lowest_snap(fine, rows, tuple(bracket), Settings(threads=2), 1e-5, 0.002)[0]
+    truth = lowest_snap(Probe(fine, rows, Run(threads=2)), tuple(bracket), 1e-5, 0.002)[0]
     assert abs(truth - edge.N_first) < edge.N_error < within * edge.N_first
     return edge
 
@@ -33,7 +34,7 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
-    edges = snapmap.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
+    edges = flat.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
     assert edges.ragged.values.tolist() == [0, 1, 1]
     assert np.isfinite(edges.N_error).all()
     assert (edges.N_first <= edges.N_always).all()
@@ -44,14 +45,14 @@ def test_ragged_rows_have_a_band_and_finite_bars(handout):
 
 def test_errors_of_random_devices_lie_within_their_bars(monkeypatch):
     """On two devices drawn at random, against two independent discretisations."""
-    judges = [{"name": "cosines", "modes": 11}, {"name": "elements", "elements": 20, "modes": 9}]
+    judges = [Cosines(modes=11), Elements(elements=20, modes=9)]
     monkeypatch.setattr(coverage, "JUDGES", judges)
     draw = np.random.default_rng(5)
     over, asked = [], 0
     for _ in range(2):
         device = draw_device(draw)
         f0, C = draw_shocks(draw, device)
-        run = ask(device, f0[1:3], C, {"model": "auto"})
+        run = ask(device, f0[1:3], C, Auto())
         assert run.result is not None and np.isfinite(run.result).all()
         truth = judge(device, f0[1:3], C, run.result[0])
         over.append(ratios([(run, truth)]))

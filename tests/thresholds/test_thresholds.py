@@ -2,21 +2,25 @@
 
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from varied import varied
 
-import snapmap
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, label
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import amplitudes, asker, near, stretches, walk
+from snapmap.solver.settings import Run
+from snapmap.thresholds.bars import distance
+from snapmap.thresholds.edges import stretches
+from snapmap.thresholds.probe import Probe, amplitudes, near, walk
+from snapmap.thresholds.ragged import refine_edges
+from snapmap.thresholds.search import CLOSE_STEP, Search, find_changes
 from snapmap.thresholds.settling import LONGER
-from snapmap.thresholds.survey import CLOSE_STEP, distance, find_changes, refine_edges
 
 CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
 
@@ -59,6 +63,12 @@ class Snapping:
         return Snapping(self.device, SIMPLE)
 
 
+class Bounded(Search):
+    """A search whose models know no energy."""
+
+    bound = np.full(2, 0.01)
+
+
 SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
 
 
@@ -79,9 +89,10 @@ SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
 def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided, highest):
     device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
     scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
-    models, bound = Survey(scans, decides, decides, (scans,), None, np.ones(1)), np.full(2, 0.01)
-    changes = find_changes(models, rows, Settings(), 1e-6, highest, bound)
-    edges = refine_edges(decides, rows, Settings(), 1e-6, changes.edges, changes.ragged)
+    models = Survey(scans, decides, decides, (scans,), None, np.ones(1))
+    search = Bounded(models, rows, Run(), 1e-6, highest)
+    changes = find_changes(search)
+    edges = refine_edges(search.probe(decides), changes.edges, changes.ragged, 1e-6)
     N_first, N_always, islands = stretches(edges, changes.is_open)
     always = decided[-2] if highest is None else np.nan
     np.testing.assert_allclose(N_first, [decided[0], np.nan], rtol=2e-6)
@@ -102,10 +113,10 @@ def test_thresholds_lie_within_their_error_bars(handout, fix_step):
     """On two devices: `auto` against a converged model, and the error bar against the truth."""
     stiff = replace(handout, mass=5e3, spring=8.0, contact=np.inf)
     rows = {"f0": [400.0, 1500.0], "C": [25.0], "horizon": 300.0}
-    usual = [snapmap.threshold(device, **rows) for device in (handout, stiff)]
+    usual = [flat.threshold(device, **rows) for device in (handout, stiff)]
     fix_step(0.15)
     for device, edges in zip((handout, stiff), usual, strict=True):
-        fine = snapmap.threshold(device, **rows, model="cosines", modes=11)
+        fine = flat.threshold(device, **rows, model="cosines", modes=11)
         error = abs(edges.N_first - fine.N_first)
         assert (error <= edges.N_error + fine.N_error).all()
         assert (error <= 5e-4 * fine.N_first).all()
@@ -114,11 +125,10 @@ def test_thresholds_lie_within_their_error_bars(handout, fix_step):
 
 def test_narrow_islands_below_a_threshold_are_seen(handout):
     """At 11 kHz labels change five times within 0.5 %, as finer steps see them one by one."""
-    edges = snapmap.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
-    fine = build_model(handout, "cosines", modes=5).with_step(0.3)
+    edges = flat.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
+    fine = build_model(handout, Cosines(modes=5)).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
-    ask = asker(fine, to_rows(0, 11078.0, 100.0), Settings(1500.0))
-    snapped = np.isfinite(ask(N))
+    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Run(1500.0)).snaps(N)
     assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
     assert abs(first - edges.N_first) <= edges.N_error
@@ -127,15 +137,15 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
 
 def test_a_threshold_is_where_the_sweep_changes(handout):
     asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "elements"}
-    N = snapmap.threshold(handout, **asked).N_first.item()
+    N = flat.threshold(handout, **asked).N_first.item()
     assert pytest.approx(984.73, abs=0.1) == N
-    cube = snapmap.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
+    cube = flat.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 
 
 def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
     with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
-        close = snapmap.threshold(handout, **CHEAP, tolerance=1e-5)
+        close = flat.threshold(handout, **CHEAP, tolerance=1e-5)
     assert close.N_error.item() > 2e-5 * close.N_first.item()
 
 
@@ -143,11 +153,11 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
     """And a damped beam latches wherever it snaps."""
     f0, C = [400.0, 1500.0, 9000.0], [25.0, 200.0]
     ringing, damped = (varied(handout, damping=damping) for damping in (5e-4, 1e-2))
-    edges = snapmap.threshold(ringing, f0, C, model="cosines", horizon=1500.0)
+    edges = flat.threshold(ringing, f0, C, model="cosines", horizon=1500.0)
     lowest, highest = edges.N_latched.values.ravel(), 2 * edges.N_first.values.ravel()
     latching = np.isfinite(lowest)
     assert latching.any() and not latching.all()
-    model, settings = build_model(batch([ringing]), "cosines"), Settings(1500.0)
+    model, settings = build_model(batch([ringing]), Cosines()), Run(1500.0)
     rows = to_rows(0, np.tile(f0, 2), np.repeat(C, 3), 0, HANDOUT_SHOCK.pulses)
     N = np.column_stack([lowest, highest])[latching]
     for factor in (1.0, LONGER):
@@ -155,5 +165,5 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
         seen = model.with_step(factor).follow(cells, settings)
         latches = label(*seen[:4], settings.energy_tolerance) == LATCHED
         assert latches[:, 1].all() and (factor > 1 or latches.all())
-    edges = snapmap.threshold(damped, f0[:2], C, model="cosines")
+    edges = flat.threshold(damped, f0[:2], C, model="cosines")
     np.testing.assert_array_equal(edges.N_latched, edges.N_first)

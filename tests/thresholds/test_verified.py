@@ -1,16 +1,17 @@
 """Surfaces of thresholds: which rows are searched, which verified, and that both agree."""
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
 
-import snapmap
 from snapmap.numerics.portable import linear
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds import surface
-from snapmap.thresholds.search import nearby
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds import verified
+from snapmap.thresholds.probe import Probe, nearby
 from snapmap.thresholds.verified import Expected, fill
 
 ASKED = {"C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
@@ -49,11 +50,11 @@ def test_a_cubic_is_expected_as_it_is_and_only_what_departs_from_one_is_searched
 
 
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
-    model = build_model(handout, "cosines", modes=3)
+    model = build_model(handout, Cosines(modes=3))
     rows = to_rows(0, 1000.0, np.full(4, 25.0))
-    known = snapmap.threshold(handout, [1000.0], **ASKED)
+    known = flat.threshold(handout, [1000.0], **ASKED)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = nearby(model, rows, Settings(300.0), guess, 1e-4)
+    _, N = nearby(Probe(model, rows, Run(300.0)), guess, 1e-4)
     assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
     assert np.isnan(N[3])
 
@@ -61,11 +62,11 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
 def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     """Each by itself is searched; bytes do not depend on blocks."""
     f0, thickness = [700.0, 9e3], linear(1.9, 2.1, 9)
-    whole = snapmap.threshold(handout, f0, **ASKED, thickness=thickness)
-    half = snapmap.threshold(handout, f0, **ASKED, thickness=thickness[::2])
+    whole = flat.threshold(handout, f0, **ASKED, thickness=thickness)
+    half = flat.threshold(handout, f0, **ASKED, thickness=thickness[::2])
     assert whole.verified.sum() > 4 and not half.verified.any()
     for each, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
         apart = abs(each.N_first - other.N_first.sel(thickness=each.thickness[:5:2]))
         assert (apart <= each.N_error).all()
-    monkeypatch.setattr(surface, "ROWS", 1)
-    xr.testing.assert_identical(snapmap.threshold(handout, f0, **ASKED, thickness=thickness), whole)
+    monkeypatch.setattr(verified, "ROWS", 1)
+    xr.testing.assert_identical(flat.threshold(handout, f0, **ASKED, thickness=thickness), whole)

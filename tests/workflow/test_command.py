@@ -18,6 +18,10 @@ from snapmap.workflow.command import main
 from snapmap.workflow.forecast import forecast
 
 
+def core_times(study):
+    return gather(lambda part: part.cost(study))
+
+
 @pytest.fixture
 def config(tmp_path):
     assert main(["init", str(tmp_path / "study")]) == 0
@@ -43,7 +47,7 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
-    for what in ("cells", "thresholds", *gather("cost", study), "figures"):
+    for what in ("cells", "thresholds", *core_times(study), "figures"):
         assert re.search(rf"[:,] {what} [0-9.]+ (s|min|h)", costs)
 
 
@@ -53,15 +57,13 @@ def test_check_says_what_devices_as_made_cost(config):
 
     def cost(samples, **values):
         asked = {"thickness": "1 %", "samples": samples, "index_samples": 2}
-        return gather("cost", load_config(changed(document, tolerances=asked, **values)))[
-            "tolerances"
-        ]
+        return core_times(load_config(changed(document, tolerances=asked, **values)))["tolerances"]
 
     costs = [cost(samples) for samples in (2000, 4000, 6000)]
     steps = np.diff(costs)
     assert steps[0] > 0 and steps[1] == pytest.approx(steps[0])
     assert cost(6000, device__beam__damping=MISSING) < costs[-1]
-    assert "tolerances" not in gather("cost", load_config(changed(document, tolerances=MISSING)))
+    assert "tolerances" not in core_times(load_config(changed(document, tolerances=MISSING)))
 
 
 def test_check_counts_the_runs_of_a_solver_of_ones_own(tmp_path, monkeypatch, capsys):
@@ -140,11 +142,11 @@ def test_run_refuses_what_snakemake_would_evaluate(config, monkeypatch, capsys):
 
 
 def test_a_missing_package_is_one_line(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pydantic", None)
+    monkeypatch.setitem(sys.modules, "yaml", None)
     monkeypatch.delattr(snapmap, "load_device", raising=False)
     for name in [name for name in sys.modules if name.startswith("snapmap.config")]:
         monkeypatch.delitem(sys.modules, name)
-    said = r"snapmap\.load_device needs pydantic: pip install 'snapmap\[config\]'"
+    said = r"snapmap\.load_device needs yaml: pip install 'snapmap\[config\]'"
     with pytest.raises(ImportError, match=f"^{said}$"):
         snapmap.load_device()
 

@@ -42,7 +42,7 @@ def merged(sections):
     """The default config with sections of a page, and without what these exclude."""
     document = read_document(ROOT / "config" / "config.yaml")
     whole = document | sections
-    for name in ("device", "sweep"):
+    for name in ("device", "sweep", "run"):
         whole[name] = document[name] | sections.get(name, {})
     if "duration" in whole["sweep"] or "file" in whole.get("pulse", {}):
         del whole["sweep"]["f0"]

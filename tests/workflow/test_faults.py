@@ -16,14 +16,14 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.config.study import load_config
+from snapmap.solver.options import Cosines
 from snapmap.workflow.made import LIST
 
 STUDY = f"""{THREE_COSINES}sweep:
   N: {{from: 600, to: 2400, points: 60}}
   f0: {{from: 300 Hz, to: 10 kHz, points: 20, spacing: log}}
   C: [0.025 uN*us/um, 25 uN*us/um]
-  horizon: 40 ms
-  until: snap
+run: {{horizon: 40 ms, until: snap}}
 """
 
 
@@ -108,9 +108,10 @@ def resumed(root, tmp_path_factory):
 
 def test_a_killed_run_loses_nothing(resumed):
     study = load_config(yaml.safe_load(STUDY))
-    options = {"model": "cosines", "modes": 3, "horizon": 40_000.0, "until": "snap"}
+    run = {"horizon": 40_000.0, "until": "snap"}
+    asked = snapmap.Study(study.device, model=Cosines(modes=3), run=run)
     with xr.open_dataset(resumed.cube) as cube:
-        xr.testing.assert_equal(cube, snapmap.sweep(study.device, **study.axes, **options))
+        xr.testing.assert_equal(cube, snapmap.sweep(asked, **study.axes))
     assert not list((resumed.path / "results").rglob("*.part"))
 
 

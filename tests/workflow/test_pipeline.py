@@ -1,5 +1,6 @@
 """The workflow itself: run, rerun, refuse; in folders and with devices of its own."""
 
+import fnmatch
 import json
 import os
 import re
@@ -16,8 +17,9 @@ from small_studies import EVERY_PRODUCT, SHOTS, TINY
 from small_workflow import snakemake, wait_for
 
 import snapmap
-from snapmap.applications import gather, window
+from snapmap.applications import attached, gather, window
 from snapmap.config.study import load_config
+from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.workflow.made import HEAD, LIST
 from snapmap.workflow.products import choose_views
@@ -85,12 +87,12 @@ def finished(clone, tmp_path_factory):
 
 def test_cube_and_thresholds_are_what_python_gives(finished):
     results, device = finished[0] / "results", snapmap.load_device(finished[1])
-    options = {"model": "cosines", "modes": 3, "horizon": 200.0}
+    study = snapmap.Study(device, model=Cosines(modes=3), run={"horizon": 200.0})
     with xr.open_dataset(results / "threshold.nc") as edges:
         axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
-        xr.testing.assert_equal(edges, snapmap.threshold(device, **axes, **options))
+        xr.testing.assert_equal(edges, snapmap.threshold(study, **axes))
     with xr.open_dataset(results / "cube.nc") as cube:
-        direct = snapmap.sweep(device, N=cube.N, f0=cube.f0, C=cube.C, **options)
+        direct = snapmap.sweep(study, N=cube.N, f0=cube.f0, C=cube.C)
         xr.testing.assert_equal(cube, direct)
         assert cube.outcome.dims == ("C", "f0", "N") and cube.outcome.shape == (2, 2, 8)
         assert cube.outcome.dtype == "int8" and cube.t_snap.dtype == "float64"
@@ -210,7 +212,7 @@ def test_no_core_is_refused_at_the_door(clone, tmp_path, finished, cores):
 
 EDITS = (
     ("snapmap/applications/page/explore.js", DRAWING),
-    ("snapmap/thresholds/survey.py", RULES),
+    ("snapmap/thresholds/search.py", RULES),
     ("snapmap/workflow/command.py", set()),
     pytest.param("draw.py", DRAWING, marks=pytest.mark.long),
     pytest.param("jobs.py", RULES, marks=pytest.mark.long),
@@ -245,7 +247,7 @@ CHANGES = {
         "sweep:",
         "pulse: {shape: half sine}\nsweep:",
     ),
-    "sweep.horizon is 200 us, not 300 us": ("horizon: 200 us", "horizon: 300 us"),
+    "run.horizon is 200 us, not 300 us": ("horizon: 200 us", "horizon: 300 us"),
 }
 
 
@@ -354,6 +356,34 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
+CORE = {"simulate_slab", "collect", "find_threshold", "draw_study", "all"}
+"""Rules that are not in the table of applications.smk, or make more than applications do."""
+
+
+def test_the_rules_of_applications_are_those_of_their_table(clone, tmp_path):
+    """A dry run of a study that asks for all tells what each job makes, and reads of others."""
+    axes = "C: [30 uN*us/um, 60 uN*us/um]\n  mass: [6e-9 kg, 7e-9 kg]"
+    (config := tmp_path / "all.yaml").write_text(EVERY_PRODUCT.replace("C: [30 uN*us/um]", axes, 1))
+    (tmp_path / "shots.csv").write_text(SHOTS)
+    _, said = snakemake(clone, tmp_path, config, "--dry-run")
+    jobs = dict(re.findall(r"Job \d+: (.*)\n *Reason: Missing output files: (.*)\n", said))
+    table = (clone / "workflow" / "rules" / "applications.smk").read_text(encoding="utf-8")
+    rows = re.findall(r"^# (\w+) +(\w+) +(\S+(?:, \S+)*) +(\S+)$", table, re.M)
+    planned = {*planned_rules(said)}
+    assert planned - CORE == {job for _, job, *_ in rows} - CORE
+    for folder, job, *_ in rows:
+        part = attached()[folder]
+        words = {"find_threshold": "Find the thresholds", part.rule: part.message}
+        columns = zip(*(row[2:] for row in rows if row[1] == job), strict=True)
+        reads, makes = (", ".join(column).replace("-", "") for column in columns)
+        made, _, read = jobs[words.get(job, f"Draw the {job[5:]}")].partition("; ")
+        for files, patterns in ((read, reads), (made, makes)):
+            names = re.findall(r"results/([^,\n]+)", files)
+            globs = re.findall(r"[^, ]+", patterns)
+            assert all(fnmatch.filter(names, glob) for glob in globs), (job, patterns)
+            assert job in CORE or {*names} == {n for g in globs for n in fnmatch.filter(names, g)}
+
+
 def test_another_grid_makes_the_cube_anew_and_a_large_one_in_slabs(clone, finished):
     def planned(*replaced):
         (config := finished[0] / "changed.yaml").write_text(TINY.replace(*replaced))
@@ -372,7 +402,9 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     monkeypatch.chdir(tmp_path)
     study = study_of(EVERY_PRODUCT)
     stems = {stem for several in choose_views(study).stems.values() for stem in several}
-    stems |= {stem for figures in gather("figures", study).values() for stem in figures}
+    stems |= {
+        stem for figures in gather(lambda part: part.figures(study)).values() for stem in figures
+    }
     assert figures_of(tmp_path) == files_of(stems - {"explore", "window"})
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")
@@ -387,7 +419,7 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
 def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
     """With fewer points and a cheaper model; on its range all requirements can be met."""
     text = (clone / "config" / "arm.yaml").read_text(encoding="utf-8")
-    axes = window.figures(study_of(text))["window"]["axes"]
+    axes = window.application.figures(study_of(text))["window"]["axes"]
     assert [*axes] == ["spring", "C"]
     text = text.replace("points: 8", "points: 3").replace("samples: 200", "samples: 16")
     text = text.replace("name: auto", "name: cosines, modes: 3")

@@ -9,15 +9,17 @@ from random_studies import FILES, Drawn, random_study
 from small_workflow import snakemake
 
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
+from snapmap.values.faults import Faults
 
 SEEDS = 0, 2, 3, 6, 7, 8, 12, 15, 16, 17
 FEATURES = (
     "force:",
-    "guide:",
-    "stops:",
+    "free:",
+    "stop_away:",
     "contact_at:",
     "strength:",
+    "strength_modulus:",
+    "damper_exponent:",
     "devices:",
     "train:",
     "file:",
@@ -55,7 +57,7 @@ def test_random_studies_have_all_features_and_are_read_or_refused_in_lines(tmp_p
 def is_refused(text):
     try:
         load_config(yaml.safe_load(text))
-    except ConfigError as error:
+    except Faults as error:
         assert all(": " in line for line in str(error).splitlines())
         return True
     return False

@@ -118,6 +118,13 @@ def test_snakemake_gets_the_profile_of_the_clone_before_all_other_words(clone):
     assert clone.run("echo", "snakemake").stdout == "snakemake\n"
 
 
+def test_snapmap_is_the_command_of_the_clone(clone):
+    command = clone.folder / "workflow/scripts/snapmap/workflow/command.py"
+    command.parent.mkdir(parents=True)
+    command.write_text("import sys; print(sys.argv[1:])")
+    assert clone.run("snapmap", "check", "a  b.yaml").stdout == "['check', 'a  b.yaml']\n"
+
+
 def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
     clone.run("true")
     venv, clone.folder = clone.folder / ".venv", tmp_path / "other"

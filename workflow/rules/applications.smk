@@ -1,40 +1,54 @@
+# What applications make, if the study asks for it: the folder of each, its job, what this reads and
+# makes in results/. The rules take their values from the `__init__.py` of the folder.
+#
+# statics       find_threshold      -                                        statics.nc
+# histories     simulate_histories  -                                        histories/*.nc
+# requirements  check_requirements  -                                        requirements.csv
+# window        find_window         -                                        window.nc
+# tolerances    find_tolerance      -                                        tolerance.nc
+# calibration   fit_calibration     -                                        calibration.nc
+# datasheet     write_datasheet     requirements.csv, tolerance.nc           datasheet.md
+# laws          find_laws           threshold.nc                             laws.nc
+# stress        find_stress         cube.nc                                  stress.nc
+# statics       draw_study          statics.nc                               figures/statics.*
+# boundary      draw_study          threshold.nc                             figures/damage_boundary*
+# histories     draw_histories      histories/*.nc                           figures/history_*
+# requirements  draw_requirements   requirements.csv                         figures/requirements.*
+# window        draw_window         window.nc                                figures/window.*
+# tolerances    draw_tolerances     tolerance.nc                             figures/probability*
+# tolerances    draw_tolerances     tolerance.nc                             figures/sensitivity*
+# tolerances    draw_tolerances     tolerance.nc                             figures/yield*
+# calibration   draw_calibration    calibration.nc                           figures/calibration.*
+# laws          draw_laws           laws.nc                                  figures/laws.*
+# page          draw_page           cube.nc, threshold.nc, requirements.csv  explore.html
+
 # A job reads the config itself. Its params are plain values on which its output depends: Snakemake
 # runs the job again when they change.
-in_search = study.inputs(*THRESHOLD_SETTINGS)
+in_search = study.inputs(*OF_THRESHOLDS)
 axes = {key: values.tolist() for key, values in study.axes.items()}
-making = gather("outputs", study)
-figures_by_name = {
-    name: application.figures(study)
-    for name, application in attached().items()
-    if hasattr(application, "figures")
-    and (name in making or hasattr(application, "drawn_from"))
-}
-drawing_of = {name: made for name, made in figures_by_name.items() if made}
-is_quick = {name: hasattr(part, "quick") for name, part in attached().items()}
-quick = {name: files for name, files in making.items() if is_quick[name]}
-slow = [name for name in making if not is_quick[name]]
-made_quickly = [
-    path for files in quick.values() for paths in files.values() for path in paths
-]
+making = gather(lambda part: part.outputs(study))
+drawing_of = gather(lambda part: part.drawn(study))
+quick = {name: files for name, files in making.items() if attached()[name].quick}
+slow = [name for name in making if name not in quick]
+made_quickly = [path for files in quick.values() for path in listed(files)]
 
 
 for name in slow:
     application = attached()[name]
-    threads_of = getattr(application, "threads", 1)
 
     rule:
         name:
             application.rule
         input:
-            **getattr(application, "inputs", lambda study: {})(study),
+            **application.inputs(study),
         output:
             **kept(making[name]),
         log:
             f"results/logs/{application.rule}.log",
-        priority: getattr(application, "priority", 45)
-        threads: threads_of(cores) if callable(threads_of) else threads_of
+        priority: application.priority
+        threads: application.threads or half
         resources:
-            mem_mb=memory(getattr(application, "megabytes", 1000)),
+            mem_mb=memory(application.megabytes),
         params:
             code=numbers,
             inputs=in_search,
@@ -54,7 +68,7 @@ for place, name in enumerate(name for name in drawing_of if name not in drawn_to
         name:
             f"draw_{name}"
         input:
-            **drawn_from(name),
+            **attached()[name].drawn_from(study),
         output:
             figures_of(name),
         log:
@@ -75,7 +89,5 @@ for place, name in enumerate(name for name in drawing_of if name not in drawn_to
 
 results = ["results/cube.nc"]
 results += [path for name in drawing_of for path in map(str, figures_of(name))]
-for files in making.values():
-    for paths in files.values():
-        results += [paths] if isinstance(paths, str) else paths
+results += [path for files in making.values() for path in listed(files)]
 SUMMARIZED += [attached()[name].rule for name in slow]

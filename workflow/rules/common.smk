@@ -39,13 +39,6 @@ def tidy_when_idle():
             remove_old_products()
 
 
-def drawn_from(name):
-    application = attached()[name]
-    if hasattr(application, "drawn_from"):
-        return application.drawn_from(study)
-    return application.outputs(study)
-
-
 def kept(outputs):
     """Let outputs by name stay until a job replaces them; Snakemake would remove them before it."""
     return {
@@ -63,28 +56,24 @@ def constant(value):
     return lambda wildcards: value
 
 
-def saved_in(application=None):
-    """Give the folder of the figures of an application, or of the core."""
-    return getattr(application, "saved_in", "results/figures")
+def listed(files):
+    """List the paths of files by name, each of which may be several."""
+    return [path for f in files.values() for path in ([f] if isinstance(f, str) else f)]
 
 
-def files_of(name, caption, category, application=None):
+def files_of(name, caption, category, folder="results/figures", endings=("png", "pdf")):
     """List the files of a figure, of which the report shows the first."""
-    endings = getattr(application, "endings", ("png", "pdf"))
-    paths = [f"{saved_in(application)}/{name}.{ending}" for ending in endings]
+    paths = [f"{folder}/{name}.{ending}" for ending in endings]
     shown = report(paths[0], caption, category=category, labels={"figure": name})
     return [shown, *paths[1:]]
 
 
 def figures_of(name):
     """List the files of all figures of an application."""
-    application = attached()[name]
-    about = str(Path(application.__file__).with_name("caption.rst")), application.part
-    return [
-        path
-        for figure in drawing_of[name]
-        for path in files_of(figure, *about, application)
-    ]
+    part = attached()[name]
+    caption = Path(getfile(type(part))).with_name("caption.rst")
+    about = str(caption), part.part, part.saved_in, part.endings
+    return [path for figure in drawing_of[name] for path in files_of(figure, *about)]
 
 
 def figures(caption):
@@ -95,15 +84,15 @@ def figures(caption):
 
 def drawing_arguments(name):
     """Give the figures of an application, and the other arguments of its function by name."""
-    files = drawn_from(name).items()
+    part = attached()[name]
+    files = part.drawn_from(study).items()
     paths = {
         f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
     }
-    return drawing_of[name], paths | {"folder": saved_in(attached()[name])}
+    return drawing_of[name], paths | {"folder": part.saved_in}
 
 
 def is_drawn_with_the_study(name):
     """Tell whether all files behind an application's figures exist with cube and thresholds."""
-    files = drawn_from(name).values()
-    paths = [path for f in files for path in ([f] if isinstance(f, str) else f)]
-    return {*paths} <= {"results/cube.nc", "results/threshold.nc", *made_quickly}
+    paths = {*listed(attached()[name].drawn_from(study))}
+    return paths <= {"results/cube.nc", "results/threshold.nc", *made_quickly}

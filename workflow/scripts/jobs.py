@@ -8,7 +8,7 @@ import sys
 from functools import partial
 from tempfile import TemporaryDirectory
 
-from snapmap.applications import attached, functions
+from snapmap.applications import attached, observers
 from snapmap.config.study import planned_study
 from snapmap.files.atomic import replacing
 from snapmap.study.axes import NAMES
@@ -20,7 +20,7 @@ def simulate_slab(study, axes, path, code):
     """Simulate a slab, write it, and print the numbers of its outcomes."""
     from snapmap.sweeps.slabs import write_slab
 
-    counts = write_slab(study, axes, path, code, functions("observe"))
+    counts = write_slab(study, axes, path, code, observers())
     print(f"{path}: " + ", ".join(f"{n} {outcome}" for outcome, n in counts.items()))
 
 
@@ -39,7 +39,7 @@ def simulate_all(study, axes, path, code):
 
     with TemporaryDirectory() as folder:
         slab_path = f"{folder}/{slab_name(study, axes)}.nc"
-        write_slab(study, axes, slab_path, code, functions("observe"))
+        write_slab(study, axes, slab_path, code, observers())
         collect(study, [slab_path], path, code)
 
 
@@ -49,8 +49,8 @@ def find_threshold(study, path, table_path, quick):
     quick: files of each quick application by their names, by the names of their folders
     """
     from snapmap.study.netcdf import write_product
-    from snapmap.thresholds.rows import tidy
-    from snapmap.thresholds.surface import summary, thresholds_of
+    from snapmap.thresholds.summary import summary, tidy
+    from snapmap.thresholds.surface import thresholds_of
 
     for name, files in quick.items():
         attached()[name].run(study, **{f"{key}_paths": paths for key, paths in files.items()})
@@ -64,8 +64,8 @@ def find_threshold(study, path, table_path, quick):
 
 def function_of(rule):
     """Give the function of a rule: one of this module, or `run` of an application."""
-    of_rules = {getattr(part, "rule", ""): part for part in attached().values()}
-    return globals()[rule] if rule in globals() else of_rules[rule].run
+    of_rules = {part.rule: part.run for part in attached().values()}
+    return globals()[rule] if rule in globals() else of_rules[rule]
 
 
 if __name__ == "__main__":

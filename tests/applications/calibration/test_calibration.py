@@ -1,11 +1,11 @@
 """A device read off its shots."""
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import drawn
 
-import snapmap
 from snapmap.applications.calibration import figure
 from snapmap.applications.calibration.dataset import fit, summary
 from snapmap.applications.calibration.likelihood import Profile, reach
@@ -91,9 +91,9 @@ def test_residuals_are_those_of_the_fitted_probability():
 
 
 def test_the_thickness_is_read_off_shots_of_the_solver_itself(handout):
-    fitted = snapmap.calibrate(handout, SHOTS, {"thickness": (1.8, 2.2)}, **CHEAP, C=25.0)
+    fitted = flat.calibrate(handout, SHOTS, {"thickness": (1.8, 2.2)}, **CHEAP, C=25.0)
     thickness = [1.9, 2.0]
-    N = snapmap.threshold(handout, [1000.0], [25.0], thickness=thickness, **CHEAP).N_first
+    N = flat.threshold(handout, [1000.0], [25.0], thickness=thickness, **CHEAP).N_first
     expected = np.interp(950.0, N.values.ravel(), thickness)
     assert fitted.estimate.item() == pytest.approx(expected, abs=0.005)
     assert fitted.low < fitted.estimate < fitted.high and fitted.model_error < 2e-3

@@ -15,6 +15,7 @@ from snapmap.device.samples import Tolerances
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.provenance import config_hash, device_sections
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 from snapmap.thresholds.slow import growth_rate
 
@@ -31,9 +32,9 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
         Study(device=device, model={"name": "cosines", "cosines": 3}),
         make_shocks("half sine"),
     )
-    required = [{"name": "drop", "shocks": shocks, "N": 500.0, "f0": 1000.0, "snaps": False}]
+    required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
-    moved = extremes_of(replace(study, shocks=shocks), 500.0, 1000.0, 25.0)
+    moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
     verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
     closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
     row = closing | verdict._asdict() | moved._asdict() | survival._asdict()
@@ -82,21 +83,20 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
 def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
     """The worst first; a mass that flies too far marks its own row; the config is named."""
     study = Study(device=handout, model={"name": "cosines", "cosines": 3})
-    both = {"shocks": make_shocks("half sine", "both"), "f0": 1000.0, "snaps": False}
+    both = make_shocks("half sine", "both")
     record = make_shocks(replace(make_pulse("half sine"), peak=100 * handout.gravity))
-    required = [
-        both | {"name": "hit", "N": 5000.0},
-        both | {"name": "bump", "N": 50.0, "shocks": record},
-    ]
+    hit = Shock(name="hit", N=5000.0, f0=1000.0, snaps=False, shocks=both)
+    required = [hit, replace(hit, name="bump", N=50.0, shocks=record)]
     rows = []
     for verdict in check(study, required, [25.0, 200.0], temperatures=[20.0, 80.0]):
-        shaken = at_corner(study, both, verdict._asdict() | {"shape": "half sine"})
+        shaken = at_corner(study, hit, verdict._asdict() | {"shape": "half sine"})
         moved = extremes_of(shaken, verdict.N, verdict.f0, verdict.C)
         _, survival = judge(verdict, handout, moved.stress_max, 0.999)
         rows.append(verdict._asdict() | moved._asdict() | survival._asdict())
         rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
     source = {
         "pulse": {"direction": "both"},
+        "run": {"until": "snap"},
         "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
         "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
     }
@@ -115,6 +115,7 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
     assert config_hash(source) != config_hash(source | {"title": "another"})
     for name, value in {
         "pulse: direction": "both",
+        "run: until": "snap",
         "sweep: C": "25 uN*us/um, 200 uN*us/um",
         "sweep: N": "from 500, points 3",
         "devices as made: thickness": "0.05 um, standard deviation",

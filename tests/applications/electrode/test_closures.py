@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import fsum, log, pi, sqrt
 
+import flat
 import numpy as np
 import pytest
 import yaml
@@ -16,10 +17,10 @@ from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
-from snapmap.config.yaml_file import ConfigError
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
+from snapmap.values.faults import Faults
 
 MODEL = {"name": "cosines", "modes": 3}
 CELLS = [(1000.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
@@ -101,7 +102,7 @@ def integrated(device, N, f0, C):
 
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
-    study = Study(device=device, model=MODEL, settings=Settings(horizon=HORIZON))
+    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
     seen, expected = observed_of(study, N, f0, 25.0), integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key
@@ -113,13 +114,16 @@ def test_closures_are_those_of_the_handouts_equations(device, N, f0):
 
 def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
+    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
     bare = replace(device, contact_at=-np.inf)
-    cube, other = (snapmap.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
-    alone = snapmap.sweep(device, [1000], **asked)
-    run = snapmap.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
+    cube, other = (flat.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
+    alone = flat.sweep(device, [1000], **asked)
+    run = flat.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
     for key in CLOSING:
-        assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run.attrs[key])
-    assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(device, [700], **asked)} == {*other}
+        assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
+    assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(study, 700, [1500.0], [25.0])} == {
+        *other
+    }
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
     assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
     fallen = run.isel(time=slice(0, int(run.w_mid.values.argmin()) + 1))
@@ -131,7 +135,7 @@ def test_devices_of_a_study_have_an_electrode_or_none():
     document = yaml.safe_load(TINY)
     plain = document.pop("device")
     document["devices"] = {"plain": plain, "closing": plain | {"contact_at": "-5 um"}}
-    with pytest.raises(ConfigError, match=r"^device\.contact_at: only some devices have it"):
+    with pytest.raises(Faults, match=r"^device\.contact_at: only some devices have it"):
         load_config(document)
 
 
@@ -145,7 +149,7 @@ def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
         assert hold(at) == pytest.approx(slope * (-beam.rise / 3 - at), rel=1e-7)
     assert hold(beam.second_equilibrium) == pytest.approx(0, abs=1e-3)
     assert hold(0.0) == hold(-9.6) == 0
-    with pytest.raises(ValueError, match=r"device\.contact_at: 12 um is not below the midpoint"):
+    with pytest.raises(ValueError, match=r"^contact_at: 12 um is not below the midpoint"):
         hold(12.0)
 
 
@@ -171,6 +175,8 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
     blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
-    judged, beside = judge_closing(blank, closing, required)
+    judged, beside = judge_closing(blank, closing, **required)
     assert judged.verdict == verdict and len(beside) == len(closing) + len(required)
-    assert judge_closing(blank._replace(verdict="failed"), closing, required)[0].verdict == "failed"
+    assert (
+        judge_closing(blank._replace(verdict="failed"), closing, **required)[0].verdict == "failed"
+    )

@@ -1,23 +1,24 @@
 """The work of the pulse: what it is, and by how much it differs with another step."""
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import ATTRIBUTES
 from varied import in_steps, varied
 
-import snapmap
 from snapmap.applications.histories import figure
 from snapmap.applications.histories.history import SAFETY, extremes_of
 from snapmap.figures import style
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
-from snapmap.solver.outcome import REPEATED_STEP
-from snapmap.solver.settings import Settings
+from snapmap.solver.options import Cosines
+from snapmap.solver.outcome import OUTCOMES, REPEATED_STEP
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from studies import motion
 
-SETTINGS = Settings(horizon=300.0)
+SETTINGS = Run(horizon=300.0)
 ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
 
 
@@ -39,7 +40,7 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
     omega, device = handout.own_frequency, varied(handout, gap=1e3)
     f0, shock = omega / (2 * np.pi * ratio), 50 * handout.gravity / omega**2
     swing = shock * (np.pi / 2 if ratio == 1 else np.sin(np.pi * ratio) / (1 - ratio**2))
-    work = work_of(build_model(device, "cosines", modes=3), 50.0, f0 * 1e6, 0.0)
+    work = work_of(build_model(device, Cosines(modes=3)), 50.0, f0 * 1e6, 0.0)
     # The pulse also moves the beam, which weighs less by a factor of 160, by a thousandth of that.
     assert work == pytest.approx(device.spring * swing**2 / 2, rel=1e-4, abs=1e-4)
 
@@ -47,17 +48,17 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
 def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
-    short, long = (snapmap.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
-    study = Study(device=device, model=model, settings=Settings(horizon=1500.0))
+    short, long = (flat.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
+    study = Study(device, model=model, run=Run(horizon=1500.0))
     extremes = extremes_of(study, *shot)._asdict()
-    assert extremes == {key: long.attrs[key] for key in extremes}
-    assert all(short.attrs[key] <= long.attrs[key] for key in extremes)
+    assert extremes == {key: long[key].item() for key in extremes}
+    assert all(short[key] <= long[key] for key in extremes)
     assert short.stress_max_to_snap == long.stress_max_to_snap
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
-    run = snapmap.simulate(device, *shot, model, horizon=200.0)
+    run = flat.simulate(device, *shot, model, horizon=200.0)
     moved = run.z_mass.values - device.beam.rise
     ways = max(0, -moved.min()), max(0, moved.max())
-    assert (run.toward_max, run.away_max) == pytest.approx(ways, rel=1e-12)
+    assert (run.toward_max.item(), run.away_max.item()) == pytest.approx(ways, rel=1e-12)
     assert run.contact_force_max == run.contact_force.max() and run.stress_max == run.stress.max()
     after = np.flatnonzero(run.w_mid <= run.second_equilibrium)[0]
     part = run.isel(time=slice(after - 1, after + 1))
@@ -74,10 +75,10 @@ ENERGETIC.append(pytest.param(REFERENCE, 700.0, marks=pytest.mark.long))
 def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, asked, N):
     device, asked = varied(handout, damping=1e-3), asked | {"horizon": 100.0}
     fix_step(0.3)
-    run = snapmap.simulate(device, N, 2e3, 25.0, **asked)
+    run = flat.simulate(device, N, 2e3, 25.0, **asked)
     gained, work = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES), run.pulse_work[-1].item()
     assert work == pytest.approx(gained.item(), rel=2e-3)
-    cube = snapmap.sweep(device, [N], [2e3], [25.0], **asked)
+    cube = flat.sweep(device, [N], [2e3], [25.0], **asked)
     if asked["model"] == "reference" and N > 1000:
         assert np.isnan(cube.pulse_work)  # its run ends at the snap, within the pulse
     else:
@@ -88,7 +89,7 @@ def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, aske
 def test_the_work_converges_with_order_two(handout, contact, modes):
     """Cells that never snap, where the motion is smooth."""
     device = varied(handout, contact=contact)
-    model = in_steps(build_model(device, "cosines", modes=modes), 0.2)
+    model = in_steps(build_model(device, Cosines(modes=modes)), 0.2)
     works = [work_of(model.with_step(2.0**-k), [500.0, 700.0], 3e3, 25.0) for k in range(3)]
     first, second = abs(np.diff(works, axis=0))
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
@@ -107,16 +108,18 @@ def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, as
     """To the curvature of w between two samples; the longer steps of a sweep snap at another."""
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     device = varied(handout, stop_away=30.0, damping=4e-3) if asked != REFERENCE else handout
-    run = snapmap.simulate(device, N, f0, C, **asked)
-    assert run.outcome == outcome
-    back = run.attrs.get("first_equilibrium")
-    w, target = (run.w_mid, run.second_equilibrium) if back is None else (-run.w_mid, -back)
+    run = flat.simulate(device, N, f0, C, **asked)
+    assert run.outcome == OUTCOMES.index(outcome)
+    back = run.get("first_equilibrium")
+    w, target = (
+        (run.w_mid, run.second_equilibrium.item()) if back is None else (-run.w_mid, -back.item())
+    )
     after = int(np.argmax(w.values <= target))
     assert np.isfinite(run.t_snap) == bool(after) == (outcome != "never")
     if after:
         ends = slice(after - 1, after + 1)
         own = np.interp(-target, -w[ends], run.time[ends])
-        assert run.t_snap == pytest.approx(own, abs=5e-3 * run.time_step)
+        assert run.t_snap == pytest.approx(own, abs=5e-3 * run.time_step.item())
     assert asked != REFERENCE or run.t_snap == pytest.approx(434.8857, abs=5e-5)
 
 
@@ -134,8 +137,8 @@ def test_errors_cover_nine_of_ten_runs_in_a_quarter_of_the_step():
 
 def test_a_cube_says_by_how_much_another_step_differs(handout):
     axes = [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0]
-    cube = snapmap.sweep(handout, *axes, **CHEAP, horizon=300.0)
-    model = build_model(handout, "cosines", modes=3)
+    cube = flat.sweep(handout, *axes, **CHEAP, horizon=300.0)
+    model = build_model(handout, Cosines(modes=3))
     f0, N = (values.ravel() for values in np.meshgrid(cube.f0, cube.N, indexing="ij"))
     cells, struck = to_cells(handout, 0, N, f0, 25.0, 300.0), N > 0
     runs = [each.follow(cells, SETTINGS) for each in (model, model.with_step(REPEATED_STEP))]
@@ -154,10 +157,11 @@ def make_history(*w_mid, t_snap=np.nan):
     """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
     w = np.array(w_mid, float)
     values = {"w_mid": w, "z_mass": w + 1, "contact_force": 0 * w, "acceleration": 0 * w + 0.02}
-    attributes = ATTRIBUTES | {"second_equilibrium": -9.0, "gravity": 1e-5}
-    attributes |= {"N": 1000.0, "f0": 1500.0, "C": 0.025, "t_snap": t_snap}
     variables = {key: ("time", column) for key, column in values.items()}
-    return xr.Dataset(variables, {"time": 10.0 * np.arange(w.size)}, attributes)
+    variables |= {"second_equilibrium": -9.0, "gravity": 1e-5, "t_snap": t_snap}
+    variables |= {"work_error": np.nan, "t_snap_error": np.nan}
+    axes = {"time": 10.0 * np.arange(w.size), "N": 1000.0, "f0": 1500.0, "C": 0.025}
+    return xr.Dataset(variables, axes, ATTRIBUTES)
 
 
 def curves_of(history):

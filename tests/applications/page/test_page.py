@@ -8,9 +8,10 @@ import pytest
 import xarray as xr
 from small_results import SETTINGS, make_cells, swept
 
-from snapmap.applications.page import draw
+from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
 from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
+from snapmap.solver.settings import Run
 from snapmap.study.netcdf import write
 
 ALWAYS, BAND, FIRST, _, CHOSEN, REQUIRED_SHOCKS = range(1, 7)
@@ -58,7 +59,7 @@ def page_file(cube, tmp_path_factory):
     paths.append(folder / "requirements.csv")
     paths[-1].write_text(VERDICTS)
     drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
-    draw({"explore": drawing}, folder, *paths)
+    application.draw({"explore": drawing}, folder, *paths)
     assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
     return folder / "explore.html"
 
@@ -381,7 +382,8 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
 
 def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
     """Nothing is known of what follows, and nothing said."""
-    cube, view = view_of(browser, tmp_path / "page.html", handout, C=[25.0], until="snap")
+    run = Run(SETTINGS.horizon, until="snap")
+    cube, view = view_of(browser, tmp_path / "page.html", handout, C=[25.0], run=run)
     assert "well" not in cube
     assert view.shows(cube.isel(C=0), states=lambda cells: cells.t_snap.notnull().astype(int))
     for state, count in zip(SNAPS, (cube.t_snap.isnull(), cube.t_snap.notnull()), strict=False):
@@ -404,7 +406,7 @@ def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_t
     assert drawn_shapes(view) == ["first"]
     monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
     document = json.loads(cube.attrs["config"])
-    document["sweep"] |= {"start": "second"}
+    document["run"] |= {"start": "second"}
     write_text(tmp_path / "page.html", cube.assign_attrs(config=json.dumps(document)))
     opened = View(browser, tmp_path / "page.html")
     assert drawn_shapes(opened) == ["second"]

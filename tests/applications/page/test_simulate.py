@@ -8,10 +8,10 @@ from varied import varied
 from snapmap.applications import page as page_of
 from snapmap.applications.page import forms
 from snapmap.device.device import ALONE
-from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import FIRST, SECOND, Settings
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import FIRST, SECOND, Run
 from snapmap.solver.simd_loop import midpoints
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
@@ -48,7 +48,7 @@ def follow_both(tab, study, axes, start=FIRST):
 
     Twice: also of shocks that are stronger by NUDGE.
     """
-    grid, settings = study.set_out(axes), Settings(until="moved", start=start)
+    grid, settings = study.set_out(axes), Run(start=start).but(until="moved")
     rows, N = rows_of(grid), grid.axes["N"]
     cells = rows.cells(grid.device, N, HORIZON).flat()
     columns = {"device": cells.device, "pulse": cells.pulse, "f0": cells.f0}
@@ -65,7 +65,7 @@ def follow_both(tab, study, axes, start=FIRST):
         "horizon": HORIZON,
     }
     runs = tab.evaluate(RUN, data)
-    model = build_model(grid.device, "cosines", modes=forms.COSINES)
+    model = build_model(grid.device, Cosines(modes=forms.COSINES))
     twin = cells._replace(amplitude=cells.amplitude * (1 + NUDGE))
     dt, kernels = np.empty(len(runs)), [[None] * len(runs) for _ in range(2)]
     for members, part in model.split(cells.device):
@@ -144,7 +144,7 @@ VARIANTS = {
 def test_all_that_the_kernel_knows_of_a_device_is_followed(alone, handout, monkeypatch, name):
     monkeypatch.setattr(forms, "COSINES", 2)
     values, pulse, direction, start = VARIANTS[name]
-    study = Study(device=varied(handout, **values), shocks=make_shocks(pulse, direction))
+    study = Study(varied(handout, **values), pulse=pulse, direction=direction)
     axes = {"C": [0.025, 50.0], "f0": [700.0, 6000.0], "N": [900.0, 1500.0, 2400.0]}
     *followed, kernel, twin = follow_both(alone, study, axes, start)
     check(*followed, kernel, twin)
@@ -152,7 +152,7 @@ def test_all_that_the_kernel_knows_of_a_device_is_followed(alone, handout, monke
 
 
 def test_steps_are_as_short_as_a_hard_strike_from_the_second_shape_needs(alone, handout):
-    study = Study(device=handout, shocks=make_shocks("versed sine", "-z"))
+    study = Study(handout, pulse="versed sine", direction="-z")
     axes = {"C": [50.0], "f0": [6000.0], "N": [1000.0, 2e4]}
     runs, dt, *kernels = follow_both(alone, study, axes, SECOND)
     check(runs, dt, *kernels)

@@ -2,13 +2,13 @@
 
 import re
 
+import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import THREE_COSINES
 from varied import varied
 
-import snapmap
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import shocks_of
@@ -19,8 +19,9 @@ from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 from snapmap.study.axes import rows_of
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 F0, C, HORIZON = 8000.0, 25.0, 4000.0
@@ -33,13 +34,13 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device=device, model=model, settings=Settings(horizon=HORIZON))
+    return Study(device, model=model, run=Run(horizon=HORIZON))
 
 
 def judged(study, *levels, f0=F0, snaps=True):
     """The verdicts on half sines of so many N."""
     shock = {"f0": f0, "snaps": snaps, "shocks": make_shocks("half sine")}
-    return check(study, [shock | {"name": f"{N:g}", "N": N} for N in levels], [C], 1e-3)
+    return check(study, [Shock(name=f"{N:g}", N=N, **shock) for N in levels], [C], 1e-3)
 
 
 @pytest.mark.parametrize("damping", ENDS)
@@ -48,7 +49,7 @@ def test_a_beam_that_must_trip_must_stay(handout, damping):
     study, N = stiff(handout, damping), 2320.0
     (verdict,) = judged(study, N)
     near = {"f0": [F0], "C": [C], "pulse": "half sine", "horizon": HORIZON}
-    cube = snapmap.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
+    cube = flat.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
     assert cube.t_snap.notnull().all() and verdict.N_first < 0.55 * N
     stay = (cube.well == 2).values
     again = np.where(cube.well_reproduced == 1, stay, ~stay)
@@ -76,7 +77,7 @@ def test_no_shock_is_met_that_ends_elsewhere_in_finer_steps(handout):
     cells = rows.cells(grid.device, levels, HORIZON).flat()
     for step in (0.6, 0.35, 0.25):
         model = choose_model(grid.device, study.model).with_step(step)
-        stays.append(side_at_end(model.follow(cells, study.settings), 1e-3) == 2)
+        stays.append(side_at_end(model.follow(cells, study.run), 1e-3) == 2)
     assert 20 < met.sum() < 40 and np.all(stays, axis=0)[met].all()
     assert not np.all(stays, axis=0)[~met].all()
 
@@ -86,7 +87,7 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     study = Study(device=varied(handout, damping=0.03), model={"name": "cosines", "modes": 3})
     shock = {"name": "reset", "f0": 2000.0, "snaps": True, "start": "second", "N": 60_000.0}
     shock["shocks"] = make_shocks("half sine", "-z")
-    light, damped = check(study, [shock], [25.0, 3000.0], 1e-3)
+    light, damped = check(study, [Shock(**shock)], [25.0, 3000.0], 1e-3)
     assert (light.end, light.verdict) == ("arrives and returns", "failed")
     assert (damped.end, damped.verdict) == ("stays", "met")
 
@@ -125,4 +126,4 @@ def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
         crash | {"name": "closes", "closes_within": "1 ms"},
         crash | {"name": "trips"},
     ]
-    assert [shock["snaps"] for shock in shocks_of(load_config(document))] == ["arrives", True]
+    assert [shock.snaps for shock in shocks_of(load_config(document))] == ["arrives", True]

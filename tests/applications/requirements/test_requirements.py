@@ -4,13 +4,13 @@ import itertools
 import re
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn
 
-import snapmap
 from snapmap.applications.requirements.check import check, judge, summary, worst
 from snapmap.applications.requirements.corners import Verdict, badness, corners, read_verdicts
 from snapmap.applications.requirements.figure import draw_margins
@@ -19,23 +19,24 @@ from snapmap.applications.requirements.verdicts import hint, write_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
+from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
     record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
-    threshold = snapmap.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
+    threshold = flat.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
     first, error = threshold.N_first.item(), threshold.N_error.item()
     assert threshold.scale_first.item() == pytest.approx(first / 100)
     amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
     amounts["above"] = 1.01 * first
     pulse = {"shocks": make_shocks(record), "f0": 2000.0}
     asked = [
-        {"name": f"{name} {must}", "N": N, "snaps": must, **pulse}
+        Shock(name=f"{name} {must}", N=N, snaps=must, **pulse)
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(device=handout, settings=study.settings), asked, [25.0])
+    verdicts = check(Study(handout, run=study.run), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
     assert [verdict.verdict for verdict in verdicts] == expected
     for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
@@ -53,11 +54,11 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
-    row = snapmap.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    row = flat.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
     gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
     assert row.ragged and gap > 0
-    required = {"name": "ragged", "N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0}
-    (verdict,) = check(study, [required | {"snaps": True, "shocks": study.shocks}], [0.025])
+    ragged = {"N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0, "shocks": study.shocks}
+    (verdict,) = check(study, [Shock(name="ragged", snaps=True, **ragged)], [0.025])
     assert verdict.verdict == "unclear"
 
 
@@ -66,11 +67,11 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
     shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
     asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
-    thresholds = snapmap.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
+    thresholds = flat.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
-    required = {"name": "launch", "N": N, "snaps": "arrives", "f0": 2000.0}
-    required["shocks"] = make_shocks(*shapes.values())
-    needs = [required, required | {"name": "set back", "snaps": "any"}]
+    shocks = make_shocks(*shapes.values())
+    required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)
+    needs = [required, replace(required, name="set back", snaps="any")]
     verdicts = check(replace(study, device=device), needs, [25.0], temperatures=degrees)
     launch, back = verdicts[:8], verdicts[8:]
     places = [(v.temperature, v.shape, v.direction) for v in launch]
@@ -128,18 +129,18 @@ def test_the_worst_corner_is_in_front():
 def document(root):
     """The handout's config by three cosines, to 300 us after a shock."""
     document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    document["sweep"]["horizon"] = "300 us"
+    document["run"]["horizon"] = "300 us"
     return document | {"model": {"name": "cosines", "modes": 3}}
 
 
 def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, document):
     """What the first damper needs must not make another requirement fail at the second."""
     study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
-    N_first = snapmap.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
+    N_first = flat.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
     light, damped = N_first.values.ravel()
-    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
-    trips = RequiredShock(shock | {"name": "trips", "N": 0.97 * damped, "snaps": True})
-    stays = RequiredShock(shock | {"name": "stays", "N": 0.97 * light, "snaps": False})
+    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999, "pulse": {}}
+    trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)
+    stays = RequiredShock(name="stays", N=0.97 * light, snaps=False, **shock)
     needs = [trips, stays]
     verdicts = [verdict for need in needs for verdict, _ in need.check(study, dampers)]
     wrong, _ = worst(verdicts)

@@ -3,12 +3,13 @@
 import math
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 from scipy.signal import lsim
 
-import snapmap
 from snapmap.applications.spectra.psd import Spectrum
+from snapmap.applications.spectra.required import RequiredSpectrum
 from snapmap.applications.spectra.srs import (
     BAND,
     check_points,
@@ -18,9 +19,9 @@ from snapmap.applications.spectra.srs import (
     response,
 )
 from snapmap.applications.spectra.trips import FACTORS, ends
-from snapmap.applications.spectra.verdicts import check_spectra
+from snapmap.applications.spectra.verdicts import check_spectrum
 from snapmap.applications.spectra.vibration import _level, fit_rates
-from snapmap.solver.settings import Settings
+from snapmap.solver.settings import Run
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 
@@ -80,7 +81,7 @@ def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
 
 def test_the_deviation_of_a_record_keeps_its_sign(handout):
     levels, cheap = [(500.0, 200.0), (5000.0, 200.0)], {"model": "cosines", "horizon": 0.0}
-    trips = snapmap.srs_test(handout, levels, [25.0], records=6, **cheap)
+    trips = flat.srs_test(handout, levels, [25.0], records=6, **cheap)
     drawn = [record(check_points(levels), [1, number]).deviation for number in range(6)]
     for dB, deviation in zip(trips.deviation.values, drawn, strict=True):
         assert dB in (deviation.min(), deviation.max()) and abs(dB) == abs(deviation).max()
@@ -95,23 +96,24 @@ def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
 
 
 def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout, study):
-    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, settings=Settings(0.0))
-    trips = snapmap.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
+    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, run=Run(0.0))
+    trips = flat.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
     snaps = trips.snaps.values[0].sum(axis=0)
     first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)
     asked = [
-        {"name": f"{by:g}", "srs": np.array(levels) * [1, by], "direction": "+z", "snaps": must}
+        RequiredSpectrum(f"{by:g}", must, np.array(levels) * [1, by], "+z")
         for by in (1.0, 0.25, 4.0)
         for must in (False, True)
     ]
-    rows = check_spectra(study, asked, [25.0], records=2)
+    rows = [row for one in asked for row in check_spectrum(study, one, [25.0], records=2)]
     for row, end in zip(rows, (first, last + 1), strict=False):
         bar = row.N_first - row.N_error, row.N_first + row.N_error
         assert bar == (FACTORS[end - 1], FACTORS[end])
         assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
-    both = check_spectra(study, [asked[0] | {"direction": "both"}], [25.0], [20.0], records=2)
+    both = replace(asked[0], direction="both")
+    both = check_spectrum(study, both, [25.0], [20.0], records=2)
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
     assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
 
@@ -193,7 +195,7 @@ def test_a_rate_that_obeys_the_law_is_found_with_its_bounds():
 def test_vibration_tells_rate_bounds_and_level(handout):
     asked = {"C": [25.0, 200.0], "records": 4, "model": "cosines", "cosines": 3, "reach": 0.5}
     high, again, calm = (
-        snapmap.vibration(handout, [(20.0, density), (2000.0, density)], 0.2, **asked)
+        flat.vibration(handout, [(20.0, density), (2000.0, density)], 0.2, **asked)
         for density in (9.0, 9.0, 0.09)
     )
     assert high.rms == pytest.approx(math.sqrt(9 * 1980)) and high.record_length == 0.2

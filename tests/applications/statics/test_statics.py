@@ -18,8 +18,9 @@ from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
-from snapmap.solver.settings import Settings
-from snapmap.thresholds.search import lowest_snap
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
+from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 @pytest.fixture(scope="module")
@@ -85,8 +86,9 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     """The threshold of a slow pulse over the static one."""
     static = static_threshold(device, back=start == "second")
     rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
-    model, reach = build_model(device, "cosines", modes=3), tuple(static * np.array(reach))
-    return lowest_snap(model, rows, reach, Settings(0.0, "snap", start=start), 1e-4).item() / static
+    model, reach = build_model(device, Cosines(modes=3)), tuple(static * np.array(reach))
+    probe = Probe(model, rows, Run(0.0, start=start))
+    return lowest_snap(probe, reach, 1e-4).item() / static
 
 
 @pytest.mark.parametrize("values", SLOW)
@@ -182,6 +184,12 @@ def test_a_force_that_is_not_known_does_not_hold_nothing(handout, monkeypatch):
     assert np.isnan(snapmap.statics(replace(handout, contact_at=-5.0)).hold_force)
 
 
+@pytest.mark.parametrize("rise", [8.0, 10.0, 13.0])
+def test_a_free_beam_without_stress_has_the_rise_with_which_it_was_made(handout, rise):
+    found = snapmap.statics(varied(handout, rise=rise, free=True, imperfection=0.01))
+    assert found.rise.item() == pytest.approx(rise, rel=1e-6)
+
+
 def held_straight(beam, n):
     """Both forces and ways, over their units, at the axial force (n/L)^2 EI: a beam-column."""
     x, Q, made = np.linspace(0, 0.5, 2001), beam.rise / beam.thickness, np.pi * np.pi / 2
@@ -212,7 +220,7 @@ def test_a_beam_without_its_second_mode_follows_the_closed_form_beyond_the_third
     device = varied(handout, thickness=handout.beam.rise / Q, residual_stress=stress)
     found, beam = snapmap.statics(device), device.beam
     path, top = found.sel(branch="unbranched"), found.force.max().item()
-    ways = 1 + (path.displacement.values - found.rise) / beam.rise
+    ways = 1 + (path.displacement.values - found.rise.item()) / beam.rise
     points = np.stack([ways, path.force.values / top])
     assert np.count_nonzero(abs(points[1]) < 1e-9) <= 1
     for n in np.pi * np.array([3.0, 3.9, 4.6, 5.7, 6.2, 7.1, 8.4, 8.8]):

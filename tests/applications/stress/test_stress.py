@@ -3,16 +3,17 @@
 import json
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import AXES, SETTINGS, swept
 from varied import varied
 
-import snapmap
 from snapmap.applications.stress.stress import STRETCH, stress_of_cube
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
+from snapmap.solver.options import Cosines
 from snapmap.solver.settings import MOVE
 from snapmap.study.study import Study
 
@@ -25,7 +26,7 @@ def brittle(handout):
 
 def stress_of(device, cube, settings=SETTINGS):
     model = json.loads(cube.attrs["config"])["model"]
-    return stress_of_cube(Study(device=device, model=model, settings=settings), cube)
+    return stress_of_cube(Study(device, model=model, run=settings), cube)
 
 
 @pytest.fixture(scope="module")
@@ -35,16 +36,16 @@ def cube(brittle):
 
 @pytest.fixture(scope="module")
 def stress(brittle, cube):
-    return stress_of(brittle, cube, SETTINGS._replace(threads=2))
+    return stress_of(brittle, cube, SETTINGS.but(threads=2))
 
 
 @pytest.mark.parametrize(("N", "C"), [(800.0, 200.0), (2200.0, 200.0), (1000.0, 0.025)])
 def test_the_largest_stress_is_that_of_the_history(brittle, cube, stress, monkeypatch, N, C):
     """Of all steps of a stretch that holds what is followed: to a swing beyond the proof."""
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**6)
-    shock, model = {"N": N, "f0": 1000.0, "C": C}, {"name": "cosines", "modes": 3}
-    run = snapmap.simulate(brittle, **shock, model=model, horizon=SETTINGS.horizon)
-    dt = build_model(brittle, **model).steps.of(to_cells(brittle, 0, *shock.values(), 0.0), MOVE)
+    shock, model = {"N": N, "f0": 1000.0, "C": C}, Cosines(modes=3)
+    run = flat.simulate(brittle, **shock, model=model, horizon=SETTINGS.horizon)
+    dt = build_model(brittle, model).steps.of(to_cells(brittle, 0, *shock.values(), 0.0), MOVE)
     window = cube.t_settled.sel(shock).item() + 2 * np.pi / brittle.own_frequency
     window = run.time.values[-1] if np.isnan(window) else window
     steps = STRETCH * int(np.ceil(window / (STRETCH * dt.item())))

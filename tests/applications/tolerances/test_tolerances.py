@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,7 +14,6 @@ from small_results import artists, drawn
 from small_studies import TINY
 from varied import varied
 
-import snapmap
 from snapmap.applications import tolerances
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
@@ -29,7 +29,9 @@ from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
-from snapmap.solver.settings import Settings
+from snapmap.solver.options import Auto
+from snapmap.solver.settings import Run
+from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
@@ -109,13 +111,13 @@ def test_bounds_of_a_quantile_are_order_statistics():
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
     f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
-    made = snapmap.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
+    made = flat.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
     assert made.N_first.notnull().all() and (made.bistable == 1).all()
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
         values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
         stretched = np.array(f0) / sample.duration_factor.item()
-        alone = snapmap.threshold(varied(handout, **values), stretched, C, **CHEAP)
+        alone = flat.threshold(varied(handout, **values), stretched, C, **CHEAP)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
         # Clean rows may hide an island as narrow as their bars.
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
@@ -125,13 +127,13 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
 
 def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     f0, C = [300.0, 1000.0, 2000.0, 5000.0, 12000.0], [25.0]
-    made = snapmap.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
-    best = snapmap.threshold(handout, f0, C, model="cosines", modes=11)
+    made = flat.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
+    best = flat.threshold(handout, f0, C, model="cosines", modes=11)
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
     rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, {"name": "auto"}, rows, Settings())
+    choices = batches.choose_levels(handout, Auto(), rows, Run())
     assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
     assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
@@ -143,11 +145,11 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
         ([1500], [0.025]),
     )
     how = {"samples": 1024, "tolerance": 1e-4, "threads": 2}
-    made = snapmap.tolerance(handout, scatters, *shock, **how, **CHEAP)
+    made = flat.tolerance(handout, scatters, *shock, **how, **CHEAP)
     linear, percent = [], np.array([0.99, 1.01])
     for key in scatters:
         ends = {key: percent * getattr(handout.beam, key)}
-        N = snapmap.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
+        N = flat.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
         linear.append(0.01 * (np.diff(np.log(N)) / np.diff(np.log(percent))).item())
     spread = np.linalg.norm(linear)
     assert (made.N_std / made.N_nominal).item() == pytest.approx(spread, rel=0.02)
@@ -162,11 +164,11 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 @pytest.fixture(scope="module")
 def scattered(handout):
     """Devices of which some have no second shape, and a shock that about half of them withstand."""
-    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True, "shocks": make_shocks()}
+    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True}
     how = {"samples": 128, "requirements": [drop]} | CHEAP
     scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
     f0 = [800.0, 1500.0, 3000.0]
-    return snapmap.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
+    return flat.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
 
 
 def test_samples_without_a_second_shape_count_and_never_snap(scattered):
@@ -180,7 +182,7 @@ def test_samples_without_a_second_shape_count_and_never_snap(scattered):
 
 @pytest.mark.usefixtures("paper")
 def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
-    made = snapmap.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    made = flat.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
     assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
     ax = drawn(figure.draw_probability, made.isel(C=0))
     assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
@@ -189,13 +191,12 @@ def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monkeypatch):
     monkeypatch.setattr(batches, "FEWEST", 10)
     monkeypatch.setattr(batches, "FOLLOWED", 0)
-    shocks = make_shocks("half sine", "+z")
     asked = [
-        {"name": "trips", "shocks": shocks, "N": 1000.0, "f0": 2000.0, "snaps": "arrives"},
-        {"name": "rests", "shocks": shocks, "N": 850.0, "f0": 1000.0, "snaps": False},
+        {"name": "trips", "pulse": "half sine", "N": 1000.0, "f0": 2000.0, "snaps": "arrives"},
+        {"name": "rests", "pulse": "half sine", "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
     brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
-    made = snapmap.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
+    made = flat.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
     made = made.squeeze("C")
     first, rests = made.N_first_required.values
     trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
@@ -211,9 +212,9 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
     np.testing.assert_allclose(made.share_breaking, (followed > 320).mean("sample"))
     assert 0 < made.share_breaking.values[0] < 1
     alone = varied(handout, thickness=made.thickness[0].item())
-    run = snapmap.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
+    run = flat.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
     assert run.stress_max == pytest.approx(followed.values[0, 0], rel=0.05)
-    kept = snapmap.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
+    kept = flat.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
@@ -221,18 +222,16 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout, monk
 def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     """At four times the threshold all arrive, and as many stay as of the devices one by one."""
     light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
-    shock = {"N": 5600.0, "f0": 2000.0, "shocks": make_shocks("half sine")}
+    shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
     musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
     asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
     how, rows = {"model": "cosines", "modes": 3, "horizon": 4000.0}, ([2000.0], [25.0])
-    made = snapmap.tolerance(
+    made = flat.tolerance(
         light, {"thickness": {"uniform": "1 %"}}, *rows, samples=32, requirements=asked, **how
     )
     ends = []
     for value in made.thickness.values:
-        cell = snapmap.sweep(
-            varied(light, thickness=value), [5600.0], *rows, pulse="half sine", **how
-        )
+        cell = flat.sweep(varied(light, thickness=value), [5600.0], *rows, pulse="half sine", **how)
         ends.append(cell.well.item())
     stay = np.mean(np.array(ends) == 2)
     assert 0.1 < stay < 0.95
@@ -246,11 +245,11 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
-    needs = [common | {"name": name, "snaps": must} for name, must in musts.items()]
+    needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
     met = tolerances_of(replace(study, device=device), axes | {"temperature": degrees}, made, needs)
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
-        single = [required | {"shocks": shocks} for required in needs[:2]]
+        single = [replace(required, shocks=shocks) for required in needs[:2]]
         corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
         corners.append(corner.N_first_required.squeeze("C").values)
     most, least = np.max(corners, axis=0)[0], np.min(corners, axis=0)[1]
@@ -312,6 +311,13 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
     monkeypatch.setattr("snapmap.study.netcdf.write_product", lambda *made: written.append(made))
-    tolerances.run(study, "results/tolerance.nc")
+    tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}
+
+
+def test_values_of_a_config_scatter_in_the_order_in_which_they_are_written():
+    """Each draws by its place, so that another order would be other devices."""
+    names = ["N", "thickness", "rise", "span"]
+    document = yaml.safe_load(TINY) | {"tolerances": dict.fromkeys(names, "1 %")}
+    assert [*load_config(document).requests["tolerances"].scatters] == names

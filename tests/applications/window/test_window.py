@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import partial
 
+import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,7 +13,6 @@ from matplotlib.contour import ContourSet
 from small_results import artists
 from varied import varied
 
-import snapmap
 from snapmap.applications.histories.history import extremes_of
 from snapmap.applications.window import figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
@@ -20,14 +20,16 @@ from snapmap.applications.window.window import summary, window_of
 from snapmap.device.samples import Tolerances
 from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
+from snapmap.study.shock import Shock
 
 CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
 SCATTERS = {"thickness": 0.05, "N": "2 %"}
-NEEDS = [
-    {"name": name, "N": N, "f0": 1500.0, "snaps": snaps, "survives": 0.999, "shocks": make_shocks()}
+ASKED = [
+    {"name": name, "N": N, "f0": 1500.0, "snaps": snaps}
     for name, N, snaps in (("trip", 1300.0, True), ("stay", 1100.0, False))
 ]
+NEEDS = [Shock(**shock, survives=0.999, shocks=make_shocks()) for shock in ASKED]
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +44,8 @@ def met(strong):
 
 
 def test_a_window_ends_where_a_design_does(handout, met):
-    asked = {"C": 25.0, "between": (1.9, 2.4), "requirements": NEEDS}
-    design = snapmap.design(handout, "thickness", **asked, **CHEAP)
+    asked = {"C": 25.0, "between": (1.9, 2.4), "requirements": ASKED}
+    design = flat.design(handout, "thickness", **asked, **CHEAP)
     for name, end in (("stay", design.low), ("trip", design.high)):
         along = met.reserve.sel(C=25.0, requirement=name)
         along = along.sortby(along)
@@ -56,14 +58,14 @@ def test_a_window_ends_where_a_design_does(handout, met):
 
 def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
     device = varied(handout, thickness=2.1)
-    asked = {"requirements": NEEDS, "samples": 32, "index_samples": 2}
-    made = snapmap.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
+    asked = {"requirements": ASKED, "samples": 32, "index_samples": 2}
+    made = flat.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
     here = met.sel(thickness=2.1, method="nearest")
     for key in ("yield", "yield_bound"):
         np.testing.assert_array_equal(here[key], made[key])
     for required in NEEDS:
-        largest = extremes_of(replace(strong, device=device), required["N"], 1500.0, 60.0)
-        stress = here.stress_max.sel(requirement=required["name"], C=60.0).item()
+        largest = extremes_of(replace(strong, device=device), required.N, 1500.0, 60.0)
+        stress = here.stress_max.sel(requirement=required.name, C=60.0).item()
         assert stress == pytest.approx(largest.stress_max, rel=1e-6)
 
 
@@ -78,7 +80,7 @@ def test_where_the_beam_breaks_a_requirement_fails(strong, met):
     modulus, share = 8.0, 0.9
     scale = limit / (-np.log(share)) ** (1 / modulus)
     weibull = replace(strong, device=of_strength(strength=scale, strength_modulus=modulus))
-    needs = [NEEDS[0] | {"survives": share}, NEEDS[1] | {"snaps": "any", "survives": share}]
+    needs = [replace(NEEDS[0], survives=share), replace(NEEDS[1], snaps="any", survives=share)]
     trip, any_way = window_of(weibull, AXES, needs).reserve
     np.testing.assert_array_equal(trip, met.reserve[0].where(unbroken[0], 0))
     np.testing.assert_array_equal(any_way, np.where(unbroken[1], np.inf, 0))
@@ -87,7 +89,7 @@ def test_where_the_beam_breaks_a_requirement_fails(strong, met):
 def test_under_several_shocks_the_worst_counts(strong):
     axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["half sine", "versed sine"]
     *alone, both = (
-        window_of(strong, axes, [NEEDS[1] | {"shocks": make_shocks(each)}])
+        window_of(strong, axes, [replace(NEEDS[1], shocks=make_shocks(each))])
         for each in (*shapes, shapes)
     )
     least = np.minimum(*(window.reserve for window in alone))

@@ -1,25 +1,19 @@
-"""Snap maps of a bistable beam under shock. `__all__` lists the public functions and classes."""
+"""Snap maps of a bistable beam under shock. `__init__.pyi` lists the functions and classes."""
 
+import re
 from importlib import import_module
+from pathlib import Path
 
-from .applications import public_names
+from .applications import FOLDERS
 from .files.extras import needing
 
-__version__ = "0.3.0"
+__version__ = "0.4.0"
 
+_PLACE = re.compile(r"^from \.([\w.]+) import (\w+) as \w+$", re.M)
 _HOME = {
-    "Beam": "device.curved_beam",
-    "Device": "device.device",
-    "Pulse": "pulse.pulse",
-    "load_device": "config.devices",
-    "open_cube": "sweeps.collect",
-    "plot_outcome": "figures.maps",
-    "read_pulse": "pulse.recorded",
-    "reference": "solver.laws",
-    "sampled": "pulse.pulse",
-    "sweep": "sweeps.cube",
-    "threshold": "thresholds.surface",
-    **public_names(),
+    name: module
+    for module, name in _PLACE.findall(Path(__file__).with_suffix(".pyi").read_text("utf-8"))
+    if not module.startswith("applications.") or module.split(".")[1] in FOLDERS
 }
 __all__ = sorted(_HOME)
 

@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.arch import equilibria
-from ..device.device import Beam, Value
+from ..device.device import Beam
 from ..numerics.linalg import apply, dot, eigh
+from ..values.kinds import Number
 from .basis import Basis
 from .cosines import buckling_shapes, symmetric_cosines
 from .modal import ModalBeam, UnitBeams, buckling, column, halfway, unit_beams
@@ -36,8 +37,8 @@ class BucklingModes(NamedTuple):
     start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: Value
-    residual: Value
+    axial: Number
+    residual: Number
 
 
 def shapes_of(beam: Beam) -> Basis:
@@ -118,10 +119,10 @@ class Barrier(NamedTuple):
     first: w(L/2) in the first shape, at rest, um
     """
 
-    energy: Value
-    midpoint: Value
-    second: Value
-    first: Value
+    energy: Number
+    midpoint: Number
+    second: Number
+    first: Number
 
 
 def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
@@ -163,7 +164,7 @@ class Rest(NamedTuple):
     """The second shape at rest: modes p, (..., k), um ng^0.5; energy above the first shape, pJ."""
 
     modes: np.ndarray
-    energy: Value
+    energy: Number
 
 
 def second_shape(beam: Beam, basis: Basis, modes: int | None = None) -> Rest:
@@ -182,7 +183,7 @@ def require_rest(rest: Rest) -> None:
     if not np.isfinite(rest.energy).all():
         raise ValueError(
             "start: second needs a guided beam, as a beam free to tilt does not stay there; write "
-            "first, or guide: guided"
+            "first, or free: false"
         )
 
 

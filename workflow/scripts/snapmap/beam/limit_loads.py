@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import Device, Value, batch
+from ..device.device import Device, batch
+from ..values.kinds import Number
 from .equilibria import BucklingModes, alone, buckling_modes, displacement, push, roots, shapes_of
 from .modal import column, contact_stiffness, first_midpoint, pulse_load
 
@@ -132,7 +133,7 @@ def least_back(modes: BucklingModes) -> np.ndarray:
     return -a
 
 
-def largest_force(modes: BucklingModes, loaded: Callable, limit: Value) -> np.ndarray:
+def largest_force(modes: BucklingModes, loaded: Callable, limit: Number) -> np.ndarray:
     """Find the largest N below a limit, uN, (...), up to which both roots exist.
 
     loaded: maps N to constant and slope of c, as `push` does

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.arch import equilibria
-from ..device.device import Beam, Device, Value
+from ..device.device import Beam, Device
 from ..numerics.linalg import apply, dot, eigh, multiply, outer, solve
+from ..values.kinds import Number
 from .basis import Basis
 from .elements import hermite_elements
 
@@ -118,7 +119,7 @@ def unit_beams(basis: Basis, beam: Beam) -> UnitBeams:
     )
 
 
-def first_midpoint(basis: Basis, beam: Beam) -> Value:
+def first_midpoint(basis: Basis, beam: Beam) -> Number:
     """Return w(L/2) of a beam at rest in its first shape, um, a number or (devices,)."""
     beams = unit_beams(basis, beam)
     return beam.made_rise * beams.midpoint[beams.index]
@@ -163,8 +164,8 @@ class ModalBeam(NamedTuple):
     slope_start: np.ndarray
     load: np.ndarray
     midpoint: np.ndarray
-    axial: Value
-    residual: Value
+    axial: Number
+    residual: Number
     shapes: np.ndarray
 
 
@@ -231,7 +232,7 @@ def halfway(tension: np.ndarray) -> np.ndarray:
     return 8 * math.pi * math.pi - tension / 2
 
 
-def contact_stiffness(device: Device, residual: Value) -> Value:
+def contact_stiffness(device: Device, residual: Number) -> Number:
     """Return contact force per overlap of mass and kept modes, 1 / (1/lambda + residual), uN/um.
 
     residual: static flexibility of the modes left out, um/uN; if 0, hard contact gives inf
@@ -240,7 +241,7 @@ def contact_stiffness(device: Device, residual: Value) -> Value:
         return 1 / (1 / np.asarray(device.contact, float) + residual)
 
 
-def column(values: Value, more: int) -> np.ndarray:
+def column(values: Number, more: int) -> np.ndarray:
     """Append `more` axes of length 1 to values."""
     return np.reshape(values, (*np.shape(values), *[1] * more))
 

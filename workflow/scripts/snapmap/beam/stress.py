@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import Beam, Device, Value
+from ..device.device import Beam, Device
 from ..numerics.linalg import apply, multiply, outer, solve
+from ..values.kinds import Number
 from .basis import Basis
 from .modal import halfway, unit_beams
 
@@ -29,7 +30,7 @@ class Stress(NamedTuple):
     rest: np.ndarray
     residual: np.ndarray
     tension: float
-    area: Value
+    area: Number
 
     def largest(self, u: np.ndarray, contact: np.ndarray, axial_force: np.ndarray) -> np.ndarray:
         """Find the largest tensile stress over both faces of the PLACES, MPa, (samples,).

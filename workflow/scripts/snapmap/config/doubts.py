@@ -1,20 +1,25 @@
 """Lines on a study before it runs: how its devices vibrate, and what may be wrong."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..applications import gather
+from ..applications import attached
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
-from ..device.quantities import plain
-from ..study.study import Study
+from ..files.text import plain
 from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
 
-IDLE = "has no effect without device.thermal; write modulus, mismatch or damping there"
+if TYPE_CHECKING:
+    from .study import Config
+
+IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
 HARDLY = 0.05
 """Barrier of the way back over that of the way there below which a device is hardly bistable."""
 LESS = np.linspace(0.8, 1, 1001)
@@ -23,8 +28,8 @@ TILTING = 8
 """Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
 
-def descriptions(study: Study) -> list[str]:
-    """Describe each nominal device of a study, in one line each; study: a `Config`."""
+def descriptions(study: Config) -> list[str]:
+    """Describe each nominal device of a study, in one line each."""
     lines = list(study.measured.values())
     for name, device in study.devices().items():
         beam, words = device.beam, []
@@ -40,19 +45,16 @@ def descriptions(study: Study) -> list[str]:
     return lines
 
 
-def dampers(study: Study) -> np.ndarray | None:
+def dampers(study: Config) -> np.ndarray | None:
     """Give the values of C, uN us/um; None where a user's own laws decide its unit."""
-    return None if "laws" in study.model else study.axes["C"]
+    return None if study.model.laws else study.axes["C"]
 
 
-def doubts(study: Study) -> list[str]:
-    """Warn, in lines, of values that are hardly meant and of what the model may leave out.
-
-    study: a `Config`
-    """
+def doubts(study: Config) -> list[str]:
+    """Warn, in lines, of values that are hardly meant and of what the model may leave out."""
     axes, (first, *_) = study.axes, study.devices().values()
-    lines = implausible(study.grid.device, dampers(study), axes["f0"])
-    lines += unusual_runs(N=axes["N"], horizon=study.settings.horizon)
+    lines = study.renamed + implausible(study.grid.device, dampers(study), axes["f0"])
+    lines += unusual_runs(N=axes["N"], horizon=study.run.horizon)
     for name, device in study.devices().items():
         remarks = [barely(device), tilting(device.beam), stopped(device)]
         force = device.force
@@ -69,7 +71,7 @@ def doubts(study: Study) -> list[str]:
         lines += pulse.doubts(float(slowest), float(shortest), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
-    return lines + [line for part in gather("doubts", study).values() for line in part]
+    return lines + [line for part in attached().values() for line in part.doubts(study)]
 
 
 def barely(device: Device) -> str:
@@ -96,7 +98,7 @@ def tilting(beam: Beam) -> str:
         ratio = beam.rise / beam.thickness
         return (
             f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only, as a beam free to "
-            "tilt leaves the second shape; write guide: free if it can tilt"
+            "tilt leaves the second shape; write free: true if it can tilt"
         )
     if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
         return (
@@ -113,10 +115,10 @@ def stopped(device: Device) -> str:
     travel = device.stop_toward
     needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
     if travel <= device.gap:
-        return f"stops.toward: {travel:.4g} um is within the gap; the mass never meets the beam"
+        return f"stop_toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:
         return (
-            f"stops.toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "
+            f"stop_toward: {travel:.4g} um stops the mass before the saddle at {needed:.4g} um: a "
             "slow shock does not snap the beam, and a fast one only by the beam's momentum"
         )
     return ""

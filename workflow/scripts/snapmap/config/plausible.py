@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 
-from ..device.device import ALONE, Device, is_bistable
-from ..device.quantities import QUANTITIES, plain
+from ..device.device import ALONE, KINDS, Device, is_bistable
 from ..device.samples import SHOCK_FACTORS, Plan
+from ..device.usual import USUAL
+from ..files.text import plain
+from ..values.units import used
 
 STEEP = 0.05
 """Rise over span above which the assumption of a shallow arch raises forces by more than 1 %."""
@@ -30,17 +32,15 @@ FAR = 1000.0
 def unusual(device: Device) -> list[str]:
     """Warn, in lines, of values of a batch of devices that are beyond the usual."""
     lines = []
-    for key, quantity in QUANTITIES.items():
-        (low, high), unit = quantity.usual, quantity.unit
-        if (low, high) == (-math.inf, math.inf):
-            continue
+    for key, (low, high) in USUAL.items():
+        unit, reads = KINDS[key].unit, KINDS[key].reads
         values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
         # Under a force, gravity has no effect; neither have values of a mass without one.
         counts = np.equal(device.force, 0) | (key != "gravity")
-        counts = counts & ~(device.is_alone & (key in ALONE)) & (values != quantity.left_out)
+        counts = counts & ~(device.is_alone & (key in ALONE)) & (values != 0)
         beyond = values[((values < low) | (values > high)) & counts & np.isfinite(values)]
         if beyond.size:
-            value, low, high = (quantity.used(f"{plain(x)} {unit}") for x in (beyond[0], low, high))
+            value, low, high = (used(f"{plain(x)} {unit}", reads) for x in (beyond[0], low, high))
             lines.append(OUTSIDE.format(key, value, low, high))
     return lines
 

@@ -1,34 +1,31 @@
 """The conversion of a config document to a `Config` in internal units."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
-from ..applications import attached, key_of, merge
+from ..applications import attached, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
-from ..device.quantities import QUANTITIES
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.pulse import N_of_g
 from ..pulse.shocks import HANDOUT_SHOCK
-from ..solver.laws import laws_of
-from ..solver.settings import SECOND, THRESHOLD_TOLERANCE
-from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
+from ..solver.settings import SECOND
+from ..study.axes import KIND_OF, SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..study.study import Study
+from ..values.faults import Faults, line_at
+from ..values.reading import read
+from ..values.units import spelling_of
 from .devices import nominal
-from .keys import line_at, lines_of
+from .document import Document
 from .measured_shape import PROFILE
-from .models import Document
-from .units import unit_of
+from .renamed import renew
 from .views import View, choose_curves, choose_maps, frequency_of, read_places
-from .yaml_file import ConfigError
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes; `duration` is f0 by another name."""
-OF_LAWS = ("histories",)
-"""Applications that can follow a model with a user's own laws."""
 DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
 """Axes that a design chooses."""
 
@@ -38,7 +35,7 @@ class Config(Study):
     """A study with the cells of its sweep, and the requests for all its products.
 
     grid: all points of the axes, each ascending
-    pulse: section of the pulse, in internal units, with the SHA-256 of a record
+    shock: section of the pulse, in internal units, with the SHA-256 of a record
     requests: request to each application, by the name of its folder; false for no request
     threshold_tolerance: relative refinement of the thresholds in N
     maps, curves: figures of cells and of thresholds
@@ -48,12 +45,13 @@ class Config(Study):
     title: head of the data sheet
     written: sections of the devices by name, as the config has them
     source: the whole config, as it was read
+    renamed: lines on keys of an older version
     units: units in which the config has the axes of device and C
     """
 
     grid: Grid
-    pulse: dict
-    requests: dict[str, object]
+    shock: dict
+    requests: dict[str, Any]
     threshold_tolerance: float
     maps: tuple[View, ...]
     curves: tuple[View, ...]
@@ -63,6 +61,7 @@ class Config(Study):
     title: str
     written: dict[str, Mapping]
     source: Mapping
+    renamed: list[str]
     units: Units
 
     @property
@@ -80,11 +79,11 @@ class Config(Study):
 
         keys: names of the settings to include; all by default
         """
-        return self.document(keys) | {"pulse": self.pulse}
+        return self.document(keys) | {"pulse": self.shock}
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
-        return replace(self, settings=self.settings._replace(until="settled", repeat=True))
+        return replace(self, run=self.run.but(until="settled", repeat=True))
 
     @property
     def has_strength(self) -> bool:
@@ -93,84 +92,96 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that the config names, as it was read, by path."""
-        recorded = {self.pulse["file"]: self.pulse["sha256"]} if "file" in self.pulse else {}
+        recorded = {self.shock["file"]: self.shock["sha256"]} if "file" in self.shock else {}
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
-        laws = {self.model["laws"]: self.model["sha256"]} if "laws" in self.model else {}
-        return recorded | shapes | points | laws | merge("files", self)
+        laws = self.model.laws
+        of_laws = {laws.file: laws.sha256} if laws and laws.file else {}
+        return recorded | shapes | points | of_laws | merge(lambda part: part.files(self))
 
 
 def planned_study(document: Mapping, threads: int) -> Config:
     """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
     hold_to_plan(study.files())
-    return replace(study, settings=study.settings._replace(threads=threads))
+    return replace(study, run=study.run.but(threads=threads))
 
 
 def load_config(document: Mapping) -> Config:
-    """Check a whole config document and convert it; a ConfigError has a line for each fault."""
-    try:
-        parts = Document.model_validate(document)
-    except ValidationError as error:
-        raise ConfigError(*lines_of(error)) from None
-    faults, device, sweep = _Faults(), parts.made, parts.sweep
-    shocks = parts.pulse.made if parts.pulse else HANDOUT_SHOCK
+    """Check a whole config document and convert it; Faults have a line for each fault."""
+    source, renamed = renew(document)
+    parts, faults = read(Document, source), _Faults()
+    named = {name: section.made for name, section in parts.by_name.items()}
+    device = named if parts.devices else named["device"]
+    shocks = parts.pulse.make_shocks() if parts.pulse else HANDOUT_SHOCK
     C = faults.catch(("devices",), _damper, parts)
-    grid = None if faults else faults.catch(("sweep",), _grid, parts, shocks, C)
+    grid = None if faults else faults.catch(("sweep",), _grid, parts, source, device, shocks, C)
 
     def views(name, y):
         def read(view):
-            return view.x, getattr(view, y), read_places(view.given, grid.axes)
+            return (
+                view.x,
+                getattr(view, y),
+                read_places(view.x, getattr(view, y), view.at, grid.axes),
+            )
 
         sections = getattr(parts, name)
         return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]
 
     if grid:
         maps, curves = views("maps", "y"), views("thresholds", "lines")
-        faults.catch(("sweep",), require_start, sweep.made.start, grid.device)
-    faults.catch(("device",), lambda: Study(device=device, shocks=shocks))  # refuses some forces
+        faults.catch(("run",), require_start, parts.run.start, grid.device)
+    how = {"model": parts.model, "run": parts.run, "skip": parts.skip}
+    how |= {"pulse": shocks.pulse, "direction": shocks.direction}
+    faults.catch(("device",), lambda: Study(device, **how))  # refuses some forces
     faults.refuse()
     chosen, left_out = choose_maps(grid, nominal(device), maps)
     study = Config(
         device=device,
-        model=parts.model.made,
+        **how,
         grid=grid,
-        skip=sweep.not_bistable == "skip",
-        settings=sweep.made,
-        shocks=shocks,
-        pulse=parts.pulse.values() if parts.pulse else {},
+        shock=parts.pulse.values() if parts.pulse else {},
         requests={},
-        threshold_tolerance=sweep.threshold_tolerance or THRESHOLD_TOLERANCE,
+        threshold_tolerance=parts.sweep.threshold_tolerance,
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         own_points=(*parts.marks, N_of_g(nominal(device).gravity)) if parts.marks else (),
         left_out=left_out,
         measured={
             (name, section.beam.shape.file): f"{name}, {section.beam.measured}"
-            for name, section in parts.devices_by_name().items()
+            for name, section in parts.by_name.items()
             if section.beam.measured
         },
         title=parts.title or "",
-        written=document.get("devices") or {"device": document["device"]},
-        source=document,
-        units={key: _unit(key, document["sweep"][key]) for key in DESIGN if sweep.has(key)},
+        written=source.get("devices") or {"device": source["device"]},
+        source=source,
+        renamed=renamed,
+        units={key: _unit(key, source["sweep"][key]) for key in DESIGN if key in source["sweep"]},
     )
     for name, application in attached().items():
-        if hasattr(application, "request"):
-            key = key_of(name, application)
-            arguments = getattr(parts, key, None), study, parts
-            study.requests[name] = faults.catch((key,), application.request, *arguments)
-            laws = study.requests[name] and laws_of(study.model)
-            if laws and (name not in OF_LAWS or laws.solver):
-                faults.append(f"{key}: does not work with model.laws; leave one of them out")
+        arguments = getattr(parts, name, None), study, parts
+        study.requests[name] = faults.catch((name,), application.request, *arguments)
+        if study.requests[name] and not _follows_laws(name, study.model):
+            faults.append(f"{name}: does not work with model.laws; leave one of them out")
     faults.refuse()
     return study
+
+
+def _follows_laws(name, chosen):
+    """Tell whether an application can follow a model, which may have a user's own laws.
+
+    The three laws are those of the device's own forces, and `reference` is too slow for most.
+    """
+    laws = chosen.laws
+    if not laws or laws.solver:
+        return not laws
+    return name == "histories" if chosen.name == "reference" else name != "laws"
 
 
 class _Faults(list):
     """Lines on the faults of a config."""
 
-    def catch(self, path, function, *arguments):
+    def catch(self, path: tuple, function: Callable, *arguments: Any) -> Any:
         """Call a function, and take its ValueError as the fault of the key at a path."""
         try:
             return function(*arguments)
@@ -178,16 +189,16 @@ class _Faults(list):
             line = str(error)
             self.append(line if line.startswith("device") else line_at(path, line))
 
-    def refuse(self):
-        """Raise ConfigError if there are faults."""
+    def refuse(self) -> None:
+        """Raise Faults if there are some."""
         if self:
-            raise ConfigError(*dict.fromkeys(self))
+            raise Faults(*dict.fromkeys(self))
 
 
 def _unit(key, written):
-    """Give the unit of the first value of an axis, as `unit_of` does."""
+    """Give the unit of the first value of an axis, as `spelling_of` does."""
     first = written["from"] if isinstance(written, Mapping) else written[0]
-    return unit_of(first, QUANTITIES[key].kind)
+    return spelling_of(first, KIND_OF[key].unit)
 
 
 def require_start(start: str, *devices: Device) -> None:
@@ -202,16 +213,17 @@ def require_start(start: str, *devices: Device) -> None:
 
 def _damper(parts):
     """Give C by the quality factors of the devices, uN us/um; it does not count beside sweep.C."""
-    dampers = {section.C for section in parts.devices_by_name().values()}
+    dampers = {section.C for section in parts.by_name.values()}
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
         raise ValueError("quality factors give each device another C; write sweep.C")
     return dampers.pop()
 
 
-def _grid(parts, shocks, C):
+def _grid(parts, source, device, shocks, C):
     """Make the grid of the sweep, with axes in the order of the config; C: by `_damper`."""
-    sweep, axes = parts.sweep, {}
-    for key, values in sweep.given.items():
+    axes = {}
+    for key in source["sweep"]:
+        values = getattr(parts.sweep, key)
         if key == "duration":
             axes["f0"] = np.array([frequency_of(value) for value in values[::-1].tolist()])
         elif key in AXES:
@@ -220,10 +232,9 @@ def _grid(parts, shocks, C):
         axes["C"] = np.array([C])
     if "f0" not in axes:
         axes["f0"] = np.array([shocks.own_frequency()])
-    skip = sweep.not_bistable == "skip"
-    remedy = "write other values" if skip else "write other values, or not_bistable: skip"
+    remedy = "write other values" if parts.skip else "write other values, or skip: true"
     try:
-        grid = make_grid(parts.made, axes, skip, shocks)
+        grid = make_grid(device, axes, parts.skip, shocks)
     except ValueError as error:
         line = str(error) if str(error).startswith("device") else f"{error}; {remedy}"
         raise ValueError(line) from None

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..beam.modal import natural_frequency
 from ..device.device import Device
-from ..device.quantities import plain
+from ..files.text import plain
 
 
 def vibrations(device: Device, C: Sequence[float] | None) -> list[list[str]]:

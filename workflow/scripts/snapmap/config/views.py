@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..device.device import VALUES, Device
-from ..device.quantities import QUANTITIES
-from ..files.text import exact, stem_of
+from ..files.text import describe, exact, stem_of
 from ..numerics.portable import evenly
-from ..study.axes import DURATION, NAMES, PULSE_AXES, Grid, axis_behind
-from .units import read, show
+from ..study.axes import DURATION, KIND_OF, NAMES, PULSE_AXES, Grid, axis_behind
 
 MOST_DAMPINGS = 6
 """Most values of C that have a figure with lines for names, unless more are requested."""
@@ -47,35 +45,36 @@ def frequency_of(duration: float) -> float:
     return float(f"{1e6 / duration:.14g}")
 
 
-def read_places(view: Mapping, axes: Mapping[str, np.ndarray]) -> dict[str, int]:
+def read_places(
+    x: str, y: str, at: Mapping[str, object] | None, axes: Mapping[str, np.ndarray]
+) -> dict[str, int]:
     """Find the places on axes, by name, nearest to the values that a view has under `at`.
 
-    view: section of the config; ValueError, one line, for axes or values that cannot be drawn
+    x, y: axes of the view; ValueError, one line, for axes or values that cannot be drawn
     """
-    drawn = {key: axis_behind(axis) for key, axis in view.items() if key != "at"}
-    for key, axis in drawn.items():
-        if axis not in axes:
-            raise ValueError(
-                f".{key}: {view[key]} is not an axis of this sweep; write {' or '.join(axes)}"
-            )
+    drawn = {}
+    for key, name in zip(("x", "y"), (x, y), strict=True):
+        drawn[key] = axis_behind(name)
+        if drawn[key] not in axes:
+            raise ValueError(f"{name} is not an axis of this sweep; write {' or '.join(axes)}")
     if len({*drawn.values()}) < len(drawn):
-        raise ValueError(f"{' and '.join(drawn)} are the same axis; write two axes")
-    at = {}
-    for key, value in view.get("at", {}).items():
+        raise ValueError(f"{x} and {y} are the same axis; write two axes")
+    places = {}
+    for key, value in (at or {}).items():
         name, axis = f".at.{key}", axis_behind(key)
-        if axis not in axes or axis in drawn.values() or axis in at:
+        if axis not in axes or axis in drawn.values() or axis in places:
             raise ValueError(f"{name}: is not a free axis of this sweep")
         if axis in NAMES:
             if value not in axes[axis]:
-                raise ValueError(f"{name}: no {axis} is called {show(value)}")
-            at[axis] = axes[axis].tolist().index(value)
+                raise ValueError(f"{name}: no {axis} is called {describe(value)}")
+            places[axis] = axes[axis].tolist().index(value)
             continue
         try:
-            number = read(value, QUANTITIES[key].kind)
+            number = KIND_OF[key].read(value)
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
-        at[axis] = _nearest(axes[axis], frequency_of(number) if key == DURATION else number)
-    return at
+        places[axis] = _nearest(axes[axis], frequency_of(number) if key == DURATION else number)
+    return places
 
 
 def _nearest(values, value):

@@ -6,7 +6,8 @@ from pathlib import Path
 import yaml
 
 from ..files.named import naming, read_named
-from .units import show
+from ..files.text import describe
+from ..values.faults import Faults
 
 CONFIG = 300_000, "write axes as from, to, points"
 """Most bytes of a config, as YAML is slow to read, and the remedy for more."""
@@ -14,20 +15,13 @@ _SURPRISE = re.compile(r".*[:_]|[+-]?0[^.]")
 """Pattern of a number that YAML reads as another: 1:30:00 as 5400, and 010 as 8."""
 
 
-class ConfigError(ValueError):
-    """The faults of a config, one line each, in `args`."""
-
-    def __str__(self):
-        return "\n".join(self.args)
-
-
 def read_document(path: str | Path) -> dict:
-    """Read a YAML file that is a mapping without repeated keys; raises ConfigError."""
+    """Read a YAML file that is a mapping without repeated keys; raises Faults."""
     try:
         with naming(path):
             return _mapping(read_named(path, *CONFIG).decode("utf-8"))
     except ValueError as error:
-        raise ConfigError(str(error)) from None
+        raise Faults(str(error)) from None
 
 
 def _mapping(text):
@@ -39,7 +33,7 @@ def _mapping(text):
     except Exception as error:  # PyYAML lets errors of several types through
         raise ValueError(f"not valid YAML: {str(error) or type(error).__name__}") from None
     if not isinstance(document, dict):
-        raise ValueError(f"{show(document)} is not a mapping of device, model, sweep")
+        raise ValueError(f"{describe(document)} is not a mapping of device, model, sweep")
     if "__use_yte__" in document:  # by which Snakemake would evaluate expressions
         raise ValueError("__use_yte__ is not allowed; write values, not expressions")
     return document
@@ -48,19 +42,19 @@ def _mapping(text):
 class _Loader(yaml.SafeLoader):
     """A loader that refuses equal keys, of which PyYAML keeps the last, and surprising numbers."""
 
-    def construct_mapping(self, node, deep=False):
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict:
         keys = set()
         for key, _ in node.value:
             if key.value in keys:
-                problem = f"{show(key.value)} comes twice"
+                problem = f"{describe(key.value)} comes twice"
                 raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
             keys.add(key.value)
         return super().construct_mapping(node, deep)
 
-    def construct_decimal(self, node):
+    def construct_decimal(self, node: yaml.ScalarNode) -> int | float:
         text = self.construct_scalar(node)
         if _SURPRISE.match(text):
-            problem = f"{show(text)} is not a plain decimal number"
+            problem = f"{describe(text)} is not a plain decimal number"
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         kind = "int" if node.tag.endswith("int") else "float"
         return getattr(self, f"construct_yaml_{kind}")(node)

@@ -4,16 +4,31 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 from ..files.text import show
+from ..values.fields import hints
+from ..values.kinds import Fitting, Number, kind_of
+from ..values.quantities import (
+    Clamp,
+    Density,
+    Distance,
+    Length,
+    Modulus,
+    Part,
+    Rate,
+    Stress,
+)
+from ..values.records import record
+from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
-from .checks import numbers, require, require_quantity, warn_of_si
-from .quantities import QUANTITIES, bounds_of
-from .shape import BISTABILITY_LIMIT, TERMS, TILT, Value, coefficients, midpoint, modes_of
+from .shape import BISTABILITY_LIMIT, TERMS, TILT, coefficients, midpoint, modes_of
+from .usual import require, warn_of_si
 
 THINNEST = 1e6
 """Largest rise over thickness: beyond it a float cannot hold bending beside stretch."""
@@ -21,59 +36,75 @@ FLAT = 1e-8
 """Rise of a straight beam over its buckled rise: it makes one of two equal shapes the first."""
 
 
-@dataclass(frozen=True)
+def _take_free(value):
+    """Convert true or false, or a batch of 1 and 0, to floats."""
+    array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
+    if array is None or not np.isin(array, (0, 1)).all():
+        raise ValueError(f"{show(value)} is not true (free to tilt) or false (guided)")
+    return array.astype(float) if array.ndim else float(array)
+
+
+Free = TypeAliasType(
+    "Free", Annotated[bool, Fitting("true or false", _take_free, (("type", "boolean"),))]
+)
+
+
+@record
 class Beam:
-    """A clamped beam; an impossible value raises ValueError.
+    """Dimensions and material of a clamped beam; an impossible value raises ValueError.
 
-    span, thickness: um
-    rise: um, of the midpoint as made; 0 for a straight beam, which compression must buckle
-    depth: um, across the plane of motion; of a double beam, that of both beams together
-    youngs_modulus, residual_stress: MPa; tension is positive
-    density: ng/um^3
-    damping: viscous drag per unit mass, 1/us; oscillations decay at half this rate
-    imperfection: um, largest displacement of the first antisymmetric shape in the beam as made
-    free: 1 for a beam that can tilt, 0 for a guided beam
-    clamp_axial: stiffness of each clamp along the beam, uN/um; math.inf for rigid clamps
-    cosine_2, cosine_3, cosine_4, cosine_5: amplitude of (1 - cos(2 n pi x/L))/2 over the rise
+    A plain number counts in um, MPa, ng/um^3 and 1/us; text has its unit, as "150 GPa".
 
+    Examples
+    --------
     >>> snapmap.load_device("config/config.yaml").beam.rise
     10.0
     """
 
-    span: Value
-    rise: Value
-    thickness: Value
-    depth: Value
-    youngs_modulus: Value
-    density: Value
-    damping: Value = 0.0
-    residual_stress: Value = 0.0
-    imperfection: Value = 0.0
-    free: Value = 0.0
-    clamp_axial: Value = math.inf
-    cosine_2: Value = 0.0
-    cosine_3: Value = 0.0
-    cosine_4: Value = 0.0
-    cosine_5: Value = 0.0
+    span: Length
+    """distance between the clamps"""
+    rise: Distance
+    """height of the midpoint as made; a straight beam, which compression must buckle, has 0"""
+    thickness: Length
+    """thickness in the direction of motion"""
+    depth: Length
+    """width across the plane of motion; of a double beam, of both beams together"""
+    youngs_modulus: Modulus
+    """Young's modulus"""
+    density: Density
+    """density of the beam"""
+    damping: Rate = 0.0
+    """viscous drag per unit mass; oscillations decay at half this rate"""
+    residual_stress: Stress = 0.0
+    """axial stress before the beam bends; tension is positive"""
+    imperfection: Distance = 0.0
+    """amplitude of the first antisymmetric shape in a free beam as made, which needs one above 0"""
+    free: Free = 0.0
+    """whether the beam can tilt; a guided beam cannot"""
+    clamp_axial: Clamp = math.inf
+    """stiffness of each clamp along the beam; rigid if left out"""
+    cosine_2: Part = 0.0
+    """amplitude of (1 - cos(4 pi x/L))/2 in the shape as made, over the rise"""
+    cosine_3: Part = 0.0
+    """amplitude of (1 - cos(6 pi x/L))/2, likewise"""
+    cosine_4: Part = 0.0
+    """amplitude of (1 - cos(8 pi x/L))/2, likewise"""
+    cosine_5: Part = 0.0
+    """amplitude of (1 - cos(10 pi x/L))/2, likewise"""
 
     def __post_init__(self):
-        for name in BEAM_VALUES:
-            if name in QUANTITIES:
-                within = bounds_of("[0, inf)") if name == "rise" else None
-                require_quantity(name, getattr(self, name), within)
+        """Raise ValueError for values that do not fit each other."""
         for holds, words, *values in self._rules():
-            require(holds, f"device.beam.{words}", *values)
-        warn_of_si("beam: ", "span", vars(self))
+            require(holds, words, *values)
+        warn_of_si("beam: ", "span", vars(self), BEAM_UNITS)
 
     def _rules(self):
         """Yield conditions beyond the ranges, each with a complaint and the values it quotes."""
-        free, tilt = numbers(self.free), self.imperfection
-        known = np.isin(np.nan if free is None else free, (0.0, 1.0))
-        yield known, "free: {} is not 0 (guided) or 1 (free to tilt)", show(self.free)
-        guided, perfect = np.equal(free, 0), np.equal(tilt, 0)
+        tilt = self.imperfection
+        guided, perfect = np.equal(self.free, 0), np.equal(tilt, 0)
         lacks = "imperfection: {:g} um never tilts a free beam; write one such as 0.01 um"
         yield guided | ~perfect, lacks, tilt
-        tilts = "imperfection: {:g} um needs a beam free to tilt; write guide: free"
+        tilts = "imperfection: {:g} um needs a beam free to tilt; write free: true"
         yield perfect | ~guided, tilts, tilt
         steep = "imperfection: {:g} um is more than a tenth of the span; write less"
         yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
@@ -94,47 +125,47 @@ class Beam:
             )
 
     @property
-    def area(self) -> Value:
+    def area(self) -> Number:
         """A = depth thickness, um^2."""
         return self.depth * self.thickness
 
     @property
-    def inertia(self) -> Value:
+    def inertia(self) -> Number:
         """I = depth thickness^3 / 12, um^4."""
         return self.area * self.thickness * self.thickness / 12
 
     @property
-    def mass_per_length(self) -> Value:
+    def mass_per_length(self) -> Number:
         """rho A, ng/um."""
         return self.density * self.area
 
     @property
-    def bending_stiffness(self) -> Value:
+    def bending_stiffness(self) -> Number:
         """E I, uN um^2."""
         return self.youngs_modulus * self.inertia
 
     @property
-    def axial_stiffness(self) -> Value:
+    def axial_stiffness(self) -> Number:
         """E A / (2 span) times `held`, uN/um: axial force per integral of w'^2."""
         return self.youngs_modulus * self.area / (2 * self.span) * self.held
 
     @property
-    def held(self) -> Value:
+    def held(self) -> Number:
         """Axial stiffness of beam and clamps in series over that of the beam, at most 1."""
         return 1 / (1 + 2 * self.youngs_modulus * self.area / (self.clamp_axial * self.span))
 
     @property
-    def weight(self) -> Value:
+    def weight(self) -> Number:
         """rho A span, the beam's mass, ng."""
         return self.mass_per_length * self.span
 
     @property
-    def stiffness_unit(self) -> Value:
+    def stiffness_unit(self) -> Number:
         """E I / span^3, uN/um."""
         return self.bending_stiffness / (self.span * self.span * self.span)
 
     @property
-    def made_rise(self) -> Value:
+    def made_rise(self) -> Number:
         """The rise, um, that scales shapes; a straight beam has FLAT times its buckled rise."""
         if np.all(self.rise):
             return self.rise
@@ -143,7 +174,7 @@ class Beam:
         return np.where(np.equal(self.rise, 0), FLAT * buckled, self.rise)[()]
 
     @property
-    def bistability(self) -> Value:
+    def bistability(self) -> Number:
         """Q = rise / thickness, times sqrt(`held`) for clamps of finite stiffness."""
         return self.made_rise / self.thickness * np.sqrt(self.held)
 
@@ -178,36 +209,36 @@ class Beam:
         return np.isfinite(self.at_rest.N_second)[()]
 
     @property
-    def bending_frequency(self) -> Value:
+    def bending_frequency(self) -> Number:
         """First frequency of a straight clamped beam, (4.7300/L)^2 sqrt(EI / rho A), rad/us."""
         root = 4.730040744862704 / self.span
         return root * root * np.sqrt(self.bending_stiffness / self.mass_per_length)
 
     @property
-    def buckling_stress(self) -> Value:
+    def buckling_stress(self) -> Number:
         """Compression at which the flat beam buckles, 4 pi^2 EI / (A span^2), MPa."""
         root = math.pi * self.thickness / self.span
         return self.youngs_modulus * root * root / 3
 
     @property
-    def compression(self) -> Value:
+    def compression(self) -> Number:
         """Residual stress over that of buckling, times `held`; compression is positive."""
         return -np.divide(self.residual_stress, self.buckling_stress) * self.held
 
     @property
-    def most_stress(self) -> Value:
+    def most_stress(self) -> Number:
         """Residual stress, MPa, above which there is no second stable shape."""
         shape, arch, _ = self._arch
         return -least_residual(*arch).reshape(shape)[()] * self.buckling_stress / self.held
 
     @property
-    def height(self) -> Value:
+    def height(self) -> Number:
         """Midpoint of the first stable shape, um: the rise, unless there is residual stress."""
         share = midpoint(self.cosines, self.at_rest.first)
         return np.where(np.equal(self.residual_stress, 0), self.rise, self.made_rise * share)[()]
 
     @property
-    def second_equilibrium(self) -> Value:
+    def second_equilibrium(self) -> Number:
         """Midpoint of the second stable shape of a guided beam, um; NaN if it has none.
 
         For a cosine without residual stress it is -rise (1 + sqrt(1 - 16 / (3 Q^2))) / 2.
@@ -221,5 +252,6 @@ class Beam:
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
+BEAM_UNITS = {key: kind_of(hint).unit for key, hint in hints(Beam).items() if key != "free"}
 COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
 """Names of the amplitudes of cosines 2, 3, ... of the shape as made."""

@@ -5,15 +5,34 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 
 import numpy as np
 
-from ..files.text import show
-from .checks import numbers, require, require_quantity, warn_of_si
+from ..values.fields import hints
+from ..values.kinds import Number, Quantity, kind_of
+from ..values.quantities import (
+    Acceleration,
+    Contact,
+    Expansion,
+    Exponent,
+    Force,
+    Gap,
+    LeastStrength,
+    LeftOut,
+    Mass,
+    Position,
+    Restitution,
+    Stiffness,
+    Strength,
+    Temperature,
+    Travel,
+    WeibullModulus,
+)
+from ..values.records import assemble, record
+from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
-from .quantities import QUANTITIES, keys_of
-from .shape import Value
+from .usual import require, warn_of_si
 
 # ASSUME: silicon strikes silicon, unless a config says otherwise.
 RESTITUTION = 0.5
@@ -23,79 +42,98 @@ ZERO = 273.15
 """Absolute temperature, K, of 0 degC."""
 ALONE = {"mass": 0.0, "spring": 1.0, "contact": 1.0, "gap": math.inf}
 """Values of a beam that no mass ever meets; those of spring and contact have no effect."""
-OF_MASS = *ALONE, *keys_of("stops").values()
+STOPS = ("stop_toward", "stop_away", "restitution")
+OF_MASS = *ALONE, *STOPS
 """Names of the values that a beam alone does not need."""
 
 
-@dataclass(frozen=True)
+@record
 class Device:
-    """A beam and a mass on a spring; an impossible value raises ValueError.
+    """A beam, and a mass on a spring that strikes it; an impossible value raises ValueError.
 
-    mass: ng; 0, with a gap of math.inf, for a beam alone
-    spring: uN/um
-    contact: stiffness of the contact, uN/um; math.inf for hard contact
-    gravity: unit of N, um/us^2, where pulses shake the frame, as they do if force is 0
-    force: unit of N, uN, where pulses push the midpoint of a beam alone
-    gap: um, between mass and midpoint at rest
-    stop_toward, stop_away: travel of the mass up to a stop, um; math.inf without a stop
-    restitution: speed of the mass after a stop over that before, from 0 to 1
-    temperature, reference_temperature: degC; at the former the beam's values hold, at the latter C
-    modulus_slope: relative change of Young's modulus, 1/K
-    expansion_mismatch: thermal expansion of the beam minus that of the frame, 1/K
-    damper_exponent: power of the absolute temperature with which C grows
-    strength, strength_modulus: Weibull's scale, MPa, and modulus; math.inf: the beam never breaks
-    strength_threshold: stress below which no beam breaks, MPa
-    contact_at: w(L/2), um, at which the beam touches an electrode; -math.inf without one
+    A plain number counts in um, ng, uN/um, MPa, um/us^2 and degC; text has its unit.
 
-    >>> sizes = {"span": 600.0, "rise": 10.0, "thickness": 2.0, "depth": 22.0}
-    >>> beam = snapmap.Beam(**sizes, youngs_modulus=150e3, density=2.33e-3)
-    >>> snapmap.Device(beam=beam, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6).mass
+    Examples
+    --------
+    >>> sizes = {"span": "600 um", "rise": 10.0, "thickness": 2.0, "depth": 22.0}
+    >>> beam = snapmap.Beam(**sizes, youngs_modulus="150 GPa", density="2330 kg/m^3")
+    >>> device = {"mass": "1e-8 kg", "spring": 5.5, "contact": 40.0, "gravity": "9.81 m/s^2"}
+    >>> snapmap.Device(beam=beam, **device).mass
     10000.0
     """
 
     beam: Beam
-    mass: Value
-    spring: Value
-    contact: Value
-    gravity: Value
-    gap: Value = 0.0
-    force: Value = 0.0
-    stop_toward: Value = math.inf
-    stop_away: Value = math.inf
-    restitution: Value = RESTITUTION
-    temperature: Value = REFERENCE
-    reference_temperature: Value = REFERENCE
-    modulus_slope: Value = 0.0
-    expansion_mismatch: Value = 0.0
-    damper_exponent: Value = 0.0
-    strength: Value = math.inf
-    strength_modulus: Value = math.inf
-    strength_threshold: Value = 0.0
-    contact_at: Value = -math.inf
+    """dimensions and material of the beam"""
+    mass: Mass
+    """moving mass; `none` for a beam alone, without spring, contact, gap, stops and C"""
+    spring: Stiffness | LeftOut = None
+    """stiffness of the spring that holds the mass; required, unless `mass` is none"""
+    contact: Contact | LeftOut = None
+    """stiffness where the mass touches the beam, or `hard`; required, as `spring`"""
+    gravity: Acceleration | LeftOut = None
+    """the unit of N; required, or `force`"""
+    gap: Gap = 0.0
+    """distance between mass and midpoint at rest"""
+    force: Force = 0.0
+    """the unit of N where pulses push the midpoint of a beam alone; replaces `gravity`"""
+    stop_toward: Travel = math.inf
+    """travel of the mass towards the beam up to a stop; no stop if left out"""
+    stop_away: Travel = math.inf
+    """travel of the mass away from the beam up to a stop; no stop if left out"""
+    restitution: Restitution = RESTITUTION
+    """share of its speed that the mass keeps at a stop"""
+    temperature: Temperature | LeftOut = None
+    """temperature at which modulus and stress hold; that of `reference_temperature` if left out"""
+    reference_temperature: Temperature = REFERENCE
+    """temperature at which C holds"""
+    modulus_slope: Expansion = 0.0
+    """relative change of Young's modulus"""
+    expansion_mismatch: Expansion = 0.0
+    """thermal expansion of the beam minus that of the frame"""
+    damper_exponent: Exponent = 0.0
+    """power of the absolute temperature with which C grows"""
+    strength: Strength = math.inf
+    """stress at which the beam breaks; with a modulus, excess over the threshold at which 63 % of
+    beams break; never if left out"""
+    strength_modulus: WeibullModulus = math.inf
+    """Weibull modulus of the strength; a larger one scatters less; no scatter if left out"""
+    strength_threshold: LeastStrength = 0.0
+    """stress below which no beam breaks"""
+    contact_at: Position = -math.inf
+    """w(L/2) where the beam touches an electrode; no electrode if left out"""
+
+    @classmethod
+    def beside(cls, written: Mapping) -> dict[str, str]:
+        """Find values that a device lacks, with a mass or without one."""
+        needed = [*(() if is_none(written.get("mass")) else ("spring", "contact"))]
+        needed += () if "force" in written else ("gravity",)
+        missing = [key for key in needed if key not in written]
+        return {key: f"missing; write {kind_of(hints(cls)[key]).asks}" for key in missing}
 
     def __post_init__(self):
-        if not isinstance(self.beam, Beam):
-            raise ValueError(f"device.beam: {show(self.beam)} is not a Beam")
-        known = numbers(self.mass) is not None and numbers(self.gap) is not None
-        alone = known and np.equal(self.mass, 0) & self.is_alone
-        for name in (field.name for field in fields(self) if field.name != "beam"):
-            value = getattr(self, name)
-            if name in ALONE and np.any(alone):
-                value = np.where(alone, 1.0, value)
-            require_quantity(name, value)
-        pushed = "device.force: {:g} uN acts on a beam without a mass; write mass: none"
-        require(alone | np.equal(self.force, 0), pushed, self.force)
-        stopped = "device.stops: need a mass; leave them out"
-        require(~(alone & self.has_stops), stopped)
+        """Complete what follows from other values; ValueError if some do not fit each other."""
         if not np.any(self.force):  # under which gravity has no effect
-            warn_of_si("", "gravity", vars(self))
+            warn_of_si("", "gravity", vars(self), UNITS)
+        alone = np.equal(self.mass, 0)
+        if np.all(alone):
+            far = np.full(alone.shape, math.inf) if alone.ndim else math.inf
+            object.__setattr__(self, "gap", far)
+        missing = {"spring": 1.0, "contact": 1.0, "gravity": 1.0}
+        missing["temperature"] = self.reference_temperature
+        for key, value in missing.items():
+            if getattr(self, key) is None:
+                object.__setattr__(self, key, value)
+        far = "gap: {:g} um is not finite; write mass: none for a beam alone"
+        require(alone | np.isfinite(self.gap), far, self.gap)
+        pushed = "force: {:g} uN acts on a beam without a mass; write mass: none"
+        require(alone | np.equal(self.force, 0), pushed, self.force)
         if np.any(self.has_electrode):
-            closed = "device.contact_at: {:g} um is not below the midpoint at rest, {:g} um"
+            closed = "contact_at: {:g} um is not below the midpoint at rest, {:g} um"
             rest = self.beam.height
             require(np.less(self.contact_at, rest), closed, self.contact_at, rest)
 
     @property
-    def own_frequency(self) -> Value:
+    def own_frequency(self) -> Number:
         """The lower one of `mass_frequency` and `beam.bending_frequency`, rad/us.
 
         With a light mass or a stiff spring the beam snaps by its own inertia.
@@ -103,7 +141,7 @@ class Device:
         return np.minimum(self.mass_frequency, self.beam.bending_frequency)
 
     @property
-    def mass_frequency(self) -> Value:
+    def mass_frequency(self) -> Number:
         """Frequency of mass and spring, sqrt(spring / mass), rad/us; inf without a mass."""
         with np.errstate(divide="ignore"):
             return np.sqrt(np.divide(self.spring, self.mass))
@@ -124,7 +162,7 @@ class Device:
         return np.isfinite(self.contact_at)
 
     @property
-    def damper_factor(self) -> Value:
+    def damper_factor(self) -> Number:
         """C at the device's temperature over C at the reference temperature."""
         if not np.any(self.damper_exponent):
             return np.ones(np.shape(self.temperature))[()]
@@ -145,6 +183,12 @@ class Device:
         With a temperature among them, the others hold at the reference temperature.
         Raises ValueError if a beam has no second shape.
         """
+        for key, value in values.items():
+            try:
+                KINDS[key].take(value)
+            except ValueError as error:
+                raise ValueError(f"{key}: {error}") from None
+        require(np.greater(values.get("mass", 1.0), 0), "mass: a beam alone is no value of an axis")
         device = _from_values({**_values_of(self), **self.warmed(values)}, np.asarray)
         device.beam.require_second_shape()
         return device
@@ -174,12 +218,26 @@ class Device:
         }
 
 
-_NAMES = (*BEAM_VALUES, *(field.name for field in fields(Device)))
-_NUMBERS = [key for key in _NAMES if key in QUANTITIES]
-VALUES = tuple(key for key in _NUMBERS if QUANTITIES[key].long_name)
+def is_none(mass: object) -> bool:
+    """Tell whether a mass is none: the word, 0, or a batch of zeros."""
+    if isinstance(mass, str):
+        return mass == "none"
+    numbers = plain_numbers(mass)
+    return numbers is not None and numbers.size > 0 and not np.any(numbers)
+
+
+_KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}
+KINDS = {key: kind for key, kind in _KINDS.items() if isinstance(kind, Quantity)}
+"""Kind of each number of a device, by name."""
+UNITS = {key: kind.unit for key, kind in KINDS.items()}
+FIXED = {
+    *("gravity", "force", "reference_temperature", "modulus_slope", "expansion_mismatch"),
+    *("damper_exponent", "strength", "strength_modulus", "strength_threshold", "contact_at"),
+}
+VALUES = tuple(key for key in KINDS if key not in FIXED)
 """Names of the values in which devices of a study may differ."""
-SIGNED = tuple(key for key in VALUES if QUANTITIES[key].range.low < 0)
-FROM_ZERO = tuple(key for key in VALUES if QUANTITIES[key].range.low_fits and key not in SIGNED)
+SIGNED = tuple(key for key in VALUES if KINDS[key].bounds.low < 0)
+FROM_ZERO = tuple(key for key in VALUES if KINDS[key].bounds.low_fits and key not in SIGNED)
 """Names of the values that may be negative (SIGNED) or zero; all others are positive."""
 
 
@@ -193,7 +251,7 @@ def batch(devices: Sequence[Device]) -> Device:
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Return whether the beam with other values, each (size,), has a second shape: (size,)."""
     values = asdict(device.beam) | device.warmed(values)
-    beam = Beam(**{key: values[key] for key in BEAM_VALUES})
+    beam = assemble(Beam, {key: values[key] for key in BEAM_VALUES})
     return np.broadcast_to(beam.is_bistable, (size,))
 
 
@@ -205,4 +263,4 @@ def _values_of(device):
 def _from_values(values, convert):
     beam = {key: convert(values[key]) for key in BEAM_VALUES}
     rest = {key: convert(value) for key, value in values.items() if key not in beam}
-    return Device(beam=Beam(**beam), **rest)
+    return assemble(Device, {"beam": assemble(Beam, beam), **rest})

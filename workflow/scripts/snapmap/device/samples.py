@@ -5,11 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 from ..files.text import show
-from .argument import Argument, integer, is_list
-from .checks import numbers
-from .device import FROM_ZERO, OF_MASS, SIGNED, VALUES, Device
+from ..values.faults import at_key
+from ..values.kinds import Fitting, Kind, Whole
+from ..values.units import is_plain, plain_numbers, unit_of
+from .device import FROM_ZERO, KINDS, OF_MASS, SIGNED, VALUES, Device
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 """Names of the device's values that may scatter; its temperature does not."""
@@ -25,16 +27,45 @@ CUT = 2.0
 DIGITS = 7
 """Decimals to which deviations over their width are rounded, so libraries cannot differ."""
 
-Samples = Annotated[int, integer(2, 100_000)]
-Groups = Annotated[
-    Sequence[Sequence[str]],
-    Argument(
-        "a list of groups of names, as [[span, rise]]",
-        lambda value: is_list(
-            value, lambda group: is_list(group, lambda key: isinstance(key, str))
-        ),
-    ),
-]
+
+def _take_groups(value):
+    groups = value if isinstance(value, list | tuple) else [value]
+    are_lists = all(isinstance(group, list | tuple) for group in groups)
+    if not are_lists or not all(isinstance(key, str) for group in groups for key in group):
+        raise ValueError(f"{show(value)} is not a list of groups of names, as [[span, rise]]")
+    return value
+
+
+class ScattersKind(Kind):
+    """What scatters, to its width."""
+
+    need = 'a mapping of what can scatter to its width, such as {"thickness": "3 %"}'
+
+    def take(self, value: object) -> dict[str, float | str | Mapping]:
+        """Convert widths by the kinds of their values; shares stay text."""
+        if not isinstance(value, Mapping) or not value or not {*value} <= {*VALUES, *SHOCK_FACTORS}:
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return {key: _take_width(key, width) for key, width in value.items()}
+
+
+def _take_width(key, width):
+    if isinstance(width, Mapping):
+        return {kind: _take_width(key, inner) for kind, inner in width.items()}
+    has_unit = isinstance(width, str) and not width.strip().endswith("%") and not is_plain(width)
+    if key in KINDS and (has_unit or unit_of(width)):
+        with at_key(key):
+            return KINDS[key].take(width)
+    number = None if isinstance(width, str) else plain_numbers(width)
+    return width if number is None or number.ndim else number.item()
+
+
+Samples = TypeAliasType("Samples", Annotated[int, Whole(2, 100_000)])
+_GROUPS = (("type", "array"), ("items", {"type": "array", "items": {"type": "string"}}))
+Groups = TypeAliasType(
+    "Groups",
+    Annotated[Sequence[Sequence[str]], Fitting("a list of groups of names", _take_groups, _GROUPS)],
+)
+Scatters = TypeAliasType("Scatters", Annotated[Mapping[str, float | str | Mapping], ScattersKind()])
 
 
 class Tolerances(NamedTuple):
@@ -191,7 +222,7 @@ def _scatter(key, width):
         ((distribution, width),) = width.items()
     is_share = isinstance(width, str) and width.strip().endswith("%")
     try:
-        number = float(width.strip()[:-1]) / 100 if is_share else float(numbers(width))
+        number = float(width.strip()[:-1]) / 100 if is_share else float(plain_numbers(width))
     except (TypeError, ValueError):
         number = math.nan
     if not 0 < number < math.inf:

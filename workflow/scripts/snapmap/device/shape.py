@@ -11,6 +11,7 @@ import numpy as np
 
 from ..numerics.linalg import dot
 from ..numerics.portable import sine
+from ..values.kinds import Number
 
 TERMS = 5
 """Number of cosines that describe a shape."""
@@ -27,10 +28,8 @@ WEIGHTS = np.array([WEIGHTS[0], WEIGHTS[1], 512.0, WEIGHTS[1], WEIGHTS[0]]) / 18
 _N = np.arange(1, TERMS + 1)
 _SQUARE = 1.0 * _N * _N
 
-Value = float | np.ndarray
 
-
-def coefficients(cosines: Sequence[Value]) -> np.ndarray:
+def coefficients(cosines: Sequence[Number]) -> np.ndarray:
     """Return the a_n, (..., TERMS), that put the midpoint at 1; cosines: a_2 to a_5, each (...)."""
     others = np.stack(np.broadcast_arrays(*cosines), axis=-1)
     first = 1.0 - others[..., 1] - others[..., 3]
@@ -62,7 +61,7 @@ def modes_of(Q: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return np.broadcast_to(_SQUARE[:terms], s.shape), s, 0.75 * Q * Q
 
 
-def midpoint(a: np.ndarray, growth: np.ndarray) -> Value:
+def midpoint(a: np.ndarray, growth: np.ndarray) -> Number:
     """Return w(L/2) over the rise of a shape whose coordinates a have grown, both (..., terms)."""
     odd = growth[..., ::2]
     return 1 + dot(a[..., : growth.shape[-1] : 2], odd - 1)

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.markers import CARETUPBASE
 from matplotlib.patheffects import withStroke
 
-from ..device.quantities import plain
+from ..files.text import plain
 from ..numerics.portable import evenly
 from ..thresholds.slow import HOLDS
 from .scales import scale_of, value_text

@@ -8,12 +8,14 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from typing_extensions import TypeAliasType
 
 from ..config.points import Point
-from ..device.argument import Argument, Flag, of_type
 from ..files.text import show
 from ..study.axes import axis_behind
-from ..sweeps.cube import outcome_names, require_cube
+from ..sweeps.cube import require_codes, require_cube
+from ..values.kinds import Fitting
+from ..values.quantities import Truth
 from . import plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
@@ -76,44 +78,76 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
 
 
 def _dataset(need, variable):
-    return Annotated[
-        xr.Dataset,
-        Argument(need, lambda value: isinstance(value, xr.Dataset) and variable in value),
-    ]
+    """Make the kind of a dataset that has a variable."""
+
+    def fit(value):
+        if not isinstance(value, xr.Dataset) or variable not in value:
+            raise ValueError(f"{show(value)} is not {need}")
+        return value
+
+    return Annotated[xr.Dataset, Fitting(need, fit)]
 
 
-Cube = _dataset("a cube, as sweep and open_cube return it", "outcome")
-Thresholds = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-AxisName = Annotated[str, of_type("the name of an axis of the cube", str)]
-MatplotlibAxes = Annotated[
-    Axes, Argument("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
-]
+def _take_axes(value):
+    if not hasattr(value, "get_xlim"):
+        raise ValueError(f"{show(value)} is not Axes of matplotlib")
+    return value
+
+
+Cube = TypeAliasType("Cube", _dataset("a cube, as sweep and open_cube return it", "outcome"))
+Thresholds = TypeAliasType(
+    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+)
+MatplotlibAxes = TypeAliasType(
+    "MatplotlibAxes", Annotated[Axes, Fitting("Axes of matplotlib", _take_axes)]
+)
 
 
 def plot_outcome(
     cube: Cube,
     ax: MatplotlibAxes | None = None,
-    x: AxisName = "f0",
-    y: AxisName = "N",
-    found: Thresholds | None = None,
-    ends: Flag = False,
+    x: str = "f0",
+    y: str = "N",
+    *,
+    thresholds: Thresholds | None = None,
+    ends: Truth = False,
 ) -> Axes:
-    """Draw which cells of a cube snap, with a legend, on `ax` or on a new figure.
+    """Draw which cells of a cube snap, with a legend.
 
-    cube: Dataset of `sweep` or `open_cube`, with a single value on all axes but x and y
-    x, y: names of axes of the cube
-    found: Dataset of `threshold`, drawn as a line if y is N
-    ends: whether to draw where each beam ends instead
+    Parameters
+    ----------
+    cube
+        Dataset of `sweep` or `open_cube`, with a single value on all axes but x and y.
+    ax
+        Where to draw; by default on a new figure.
+    x, y
+        Names of axes of the cube.
+    thresholds
+        Dataset of `threshold`, drawn as a line if y is N.
+    ends
+        Whether to draw where each beam ends instead.
 
+    Returns
+    -------
+    Axes
+        Those of the figure.
+
+    Raises
+    ------
+    ValueError
+        One line, for a cube without these axes, or with several values of another one.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> cube = snapmap.sweep(device, [900, 1100], [500, 1500], [25], model="cosines", until="snap")
-    >>> ax = snapmap.plot_outcome(cube)
+    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> ax = snapmap.plot_outcome(snapmap.sweep(study, [900, 1100], [500, 1500], 25))
     >>> ax.get_title().splitlines()[0][:8]
     '$C$ = 25'
     """
     cube = cube.assign(outcome=require_cube(cube))
     for name, key in (("x", x), ("y", y)):
-        if axis_behind(key) not in cube.outcome.dims:
+        if not isinstance(key, str) or axis_behind(key) not in cube.outcome.dims:
             raise ValueError(f"{name}: {show(key)} is not an axis of the cube")
     if axis_behind(x) == axis_behind(y):
         raise ValueError(f"x: {show(x)} is already y; write another axis of the cube")
@@ -121,13 +155,13 @@ def plot_outcome(
     if many:
         raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
     cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
-    outcome_names(cells.outcome.values)
+    require_codes(cells.outcome.values)
     if ends and "well" not in cells:
         raise ValueError(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
-    return draw_map(ax or style.notebook_axes(), cells, found, x, y, shows=shows)
+    return draw_map(ax or style.notebook_axes(), cells, thresholds, x, y, shows=shows)
 
 
 def draw_maps(

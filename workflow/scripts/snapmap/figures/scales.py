@@ -1,8 +1,10 @@
 """The names, scales and ticks of a study's axes in figures."""
 
+import csv
 import math
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -12,18 +14,25 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from ..device.quantities import QUANTITIES, SPELT, plain
-from ..study.axes import COORDINATES, DURATION, axis_behind
+from ..files.text import plain
+from ..study.axes import DURATION, KIND_OF
+from ..values.units import SPELT
 from . import style
 
 NONE = MappingProxyType({})
 """The attributes of a dataset without any."""
-WORDS = {
-    key: (quantity.words, "ms" if key == DURATION else quantity.spelt.figures)
-    for key, quantity in QUANTITIES.items()
-    if axis_behind(key) in COORDINATES
-}
+with open(Path(__file__).with_name("words.csv"), encoding="utf-8") as _file:
+    _ROWS = [*csv.DictReader(_file)]
+
+
+def _unit(key):
+    return "ms" if key == DURATION else SPELT[KIND_OF[key].unit].figures if key in KIND_OF else ""
+
+
+WORDS = {row["name"]: (row["words"], _unit(row["name"])) for row in _ROWS}
 """Words before a value of each axis, and the unit behind it."""
+LABELS = {row["name"]: row["label"] or row["words"] for row in _ROWS}
+"""Name of each quantity along its axis."""
 SEVERAL = 10
 """Most values of an axis that all have a tick; of more, every nth has."""
 MANY = 8
@@ -136,9 +145,9 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     attributes: attributes of the dataset, whose config says what N counts
     unit: spelling of the unit in a config; by default the internal unit
     """
-    words, internal = WORDS[key]
+    _, internal = WORDS[key]
     unit = typeset(unit) or (style.multiples(attributes) if key == "N" else internal)
-    label = QUANTITIES[key].label or words
+    label = LABELS[key]
     return f"{label} ({unit})" if unit else label
 
 

@@ -1,6 +1,5 @@
 """The states of cells on maps and on the page: whether cells snap, when, and where beams end."""
 
-import json
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +7,7 @@ import xarray as xr
 from matplotlib import colormaps
 from matplotlib.colors import ListedColormap
 
+from ..config.renamed import config_of
 from ..solver.outcome import WHOLE_SWING, ended_elsewhere
 from . import style
 
@@ -62,7 +62,7 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
     """
     is_one_of = _outcomes(cells)
     settled = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
-    starts = style.starts(json.loads(cells.attrs.get("config", "{}")))
+    starts = style.starts(config_of(cells.attrs))
     tripped = (cells.well == 2) | ((cells.well == 0) & (cells.t_snap.notnull() ^ bool(starts)))
     crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
     rest = xr.where(settled, REST_SETTLED, REST_SEEN)

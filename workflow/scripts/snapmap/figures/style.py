@@ -1,6 +1,5 @@
 """The style of all figures for print: sheet, sizes, legends, words, and how they are saved."""
 
-import json
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
@@ -21,11 +20,13 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
-from ..device.quantities import QUANTITIES, plain
+from ..config.renamed import config_of
 from ..files.atomic import replacing
+from ..files.text import plain
 from ..pulse.pulse import NEAR_G, VERSED_SINE, G
 from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
+from ..values.units import used
 
 COLUMN, PAGE = 56, 130
 """Most signs in a line over one column, and over two."""
@@ -208,7 +209,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     """Write pulse, guide, start, model and horizon of a dataset, in lines of `width` signs."""
     if "config" not in attributes:
         return ""
-    config = json.loads(attributes["config"])
+    config = config_of(attributes)
     pulse = config.get("pulse", {})
     made = next((key for key in MAKERS if key in pulse), VERSED_SINE)
     shape = pulse.get("file", pulse.get("shape", made))
@@ -218,7 +219,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
     words += [*guides(config), *starts(config)]
     if "model" in config:  # a cube of open slabs has none
         words.append(f"model {config['model']['name']}")
-    if horizon := config.get("sweep", {}).get("horizon"):
+    if horizon := config.get("run", {}).get("horizon"):
         time, _, unit = horizon.partition(" ")
         horizon = f"{plain(float(time) / 1e3)} ms" if unit == "us" else horizon
         words.append(f"followed {horizon}")
@@ -238,26 +239,26 @@ def literal(text: str) -> str:
 
 def starts(config: Mapping) -> list[str]:
     """Say whether the runs of a config start in the second shape; [] if they do not."""
-    start = config.get("sweep", {}).get("start", FIRST)
+    start = config.get("run", {}).get("start", FIRST)
     return [] if start == FIRST else ["starts in the second shape"]
 
 
 def guides(config: Mapping) -> list[str]:
     """Say whether the beams of a config are guided or free to tilt; [] if they differ."""
-    free = {device["beam"].get("guide") == "free" for device in _devices(config)}
+    free = {bool(device["beam"].get("free")) for device in _devices(config)}
     words = {False: "guided beam", True: "beam free to tilt"}
     return [words[free.pop()]] if len(free) == 1 else []
 
 
 def multiples(attributes: Mapping[str, str]) -> str:
     """Say what N counts by a dataset's attributes: g, gravity, or a force on the midpoint."""
-    devices = _devices(json.loads(attributes.get("config", "{}")))
+    devices = _devices(config_of(attributes))
     forces = {device["force"] for device in devices if "force" in device}
     if not forces:
         gravity = devices[0].get("gravity", "") if devices else ""
         is_g = not gravity or abs(float(gravity.partition(" ")[0]) / G - 1) < NEAR_G
-        used = QUANTITIES["gravity"].used(gravity, typeset=True)
-        return f"multiples of {'$g$' if is_g else used}"
+        counted = used(gravity, "m/s^2", typeset=True)
+        return f"multiples of {'$g$' if is_g else counted}"
     size = plain(float(forces.pop().partition(" ")[0]))
     return "multiples of each force" if forces else f"multiples of {size} µN"
 

@@ -54,7 +54,7 @@ def _draw_lines(ax, lines, x):
         curves.draw_impulsive(ax, curve, colour, place)
 
 
-def draw_statics(ax, lines, x):
+def draw_statics(ax: Axes, lines: list[tuple], x: str) -> None:
     """Draw the limit of long pulses of every line, or one in grey if all have the same."""
     keys = ["N_static", *["N_slow"] * (x == "f0")]
     if len({curve[keys].to_array().values.tobytes() for curve, *_ in lines}) == 1:
@@ -77,7 +77,7 @@ def _draw_gap(ax, curve, scale, colour):
     ax.vlines(places, low.ravel(), high.ravel(), color=colour, linewidth=2.2, alpha=0.5)
 
 
-def title(surface, width):
+def title(surface: xr.Dataset, width: int) -> str:
     """Write what all curves have in common, in lines of at most `width` signs."""
     v = surface.velocity_change
     symbols = [f"$C$ in {scales.WORDS['C'][1]}"] if "C" in surface.dims else []

@@ -8,7 +8,6 @@ EXTRAS = {
     "pint": "config",
     "plotly": "page",
     "psutil": "workflow",
-    "pydantic": "config",
     "snakemake": "workflow",
     "tqdm": "workflow",
     "yaml": "config",

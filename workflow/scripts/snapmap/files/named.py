@@ -5,7 +5,9 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePath
+
+from .text import SIGNS, describe, is_showable
 
 PLANNED = "SNAPMAP_PLANNED"
 """Environment variable by which jobs inherit the hashes of files."""
@@ -51,6 +53,20 @@ def sha256_of(path: str | Path, most: int, remedy: str) -> str:
     """Hash the content of a file, read by `read_named`; raises ValueError, one line."""
     with naming(path):
         return hashlib.sha256(read_named(path, most, remedy)).hexdigest()
+
+
+def inside(file: str) -> str:
+    """Return the path of a file in the study's folder; ValueError, one line, for any other.
+
+    Paths stand in tables and on the terminal.
+    """
+    if not is_showable(file):
+        raise ValueError(
+            f"{describe(file)} has signs that do not print or are in {SIGNS}; rename it"
+        )
+    if PurePath(file).is_absolute() or ".." in PurePath(file).parts:
+        raise ValueError(f"{file} lies outside the study's folder; copy it there")
+    return file
 
 
 def plan_with(files: Mapping[str, str]) -> None:

@@ -4,7 +4,7 @@ import hashlib
 import math
 import re
 import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from numbers import Number
 from os import PathLike
 
@@ -28,6 +28,25 @@ def show(value: object) -> str:
         return "a number of thousands of digits"
     text = " ".join(text.split())
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]}...{text[-1]}"
+
+
+FEW = 4
+"""Most items of a list or mapping that `describe` shows."""
+
+
+def describe(value: object, longest: int = LONGEST) -> str:
+    """Quote a value of a config, in one line; text of more than `longest` signs is cut."""
+    if isinstance(value, Mapping):
+        keys = f" of {', '.join(map(describe, value))}" if 0 < len(value) <= FEW else ""
+        return f"a mapping{keys}"
+    if isinstance(value, list | tuple):
+        if any(isinstance(item, Mapping | list | tuple) for item in value) or len(value) > FEW:
+            return "a list"
+        return f"the list {', '.join(map(describe, value))}" if value else "an empty list"
+    if value is None or isinstance(value, bool):
+        return {None: "an empty value", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= longest else f"{text[:40]}...{text[-1]}"
 
 
 NAME = "letters, digits, spaces, .,:()/%+-_, the first a letter or digit"
@@ -71,6 +90,20 @@ def stem_of(*words: str) -> str:
         return name
     ending = f"_{hashlib.sha256(whole.encode()).hexdigest()[:8]}"
     return name[: LONGEST_STEM - len(ending)] + ending
+
+
+def plain(value: float, digits: int = 4) -> str:
+    """Write a number with so many significant digits, without an exponent if it is not extreme."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
+def leaves(section: Mapping, path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the path of each key in a section of a config, and its value as text."""
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from leaves(value, f"{path}{key}.")
+        else:
+            yield f"{path}{key}", str(value)
 
 
 DASH = "–"

@@ -58,7 +58,7 @@ _sine_of_rest = njit(error_model="numpy", inline="always")(portable.sine_of_rest
 
 
 @njit(error_model="numpy", inline="always")
-def sine(turns):
+def sine(turns: float) -> float:
     """Return sin(2 pi turns), as `portable.sine` does, in a form that the compiler vectorises."""
     return _sine_of_rest(turns - np.rint(turns))
 

@@ -9,6 +9,7 @@ A piece is a line, with TURNS = 0, or a wave, with SLOPE = 0. A curve is continu
 its two ends.
 """
 
+import numpy as np
 from numba import njit
 
 from .kernels import compiled, sine
@@ -18,14 +19,16 @@ COLUMNS = 6
 
 
 @njit(inline="always")
-def form(start, slope, turns, lift, swing, s):
+def form(start: float, slope: float, turns: float, lift: float, swing: float, s: float) -> float:
     """Evaluate a piece at the distance s from its begin."""
     lifted, swung = 2 * sine(turns * s / 2) ** 2, sine(turns * s)
     return start + slope * s + lift * lifted + swing * swung
 
 
 @njit(inline="always")
-def increment(slope, turns, lift, swing, s, step):
+def increment(
+    slope: float, turns: float, lift: float, swing: float, s: float, step: float
+) -> float:
     """Return the piece at s minus the piece at s - step, without cancellation."""
     half = turns * step / 2
     twice, middle = 2 * sine(half), turns * s - half
@@ -33,7 +36,7 @@ def increment(slope, turns, lift, swing, s, step):
 
 
 @compiled
-def value(pieces, k, x):
+def value(pieces: np.ndarray, k: int, x: float) -> float:
     """Evaluate piece k at x."""
     start, slope, turns = pieces[k, VALUE], pieces[k, SLOPE], pieces[k, TURNS]
     s = x - pieces[k, BEGIN]
@@ -43,7 +46,7 @@ def value(pieces, k, x):
 
 
 @compiled
-def at(pieces, k, end, x):
+def at(pieces: np.ndarray, k: int, end: int, x: float) -> int:
     """Find the piece that holds x, from number k, which begins before x, up to before `end`."""
     while k + 1 < end and pieces[k + 1, BEGIN] <= x:
         k += 1
@@ -51,7 +54,7 @@ def at(pieces, k, end, x):
 
 
 @compiled
-def sample(pieces, k, jumps, x, step):
+def sample(pieces: np.ndarray, k: int, jumps: tuple[float, float], x: float, step: float) -> float:
     """Sample the curve at x, in piece k, such that a sum over steps is exact at the jumps.
 
     At a jump the sample is the curve's mean over the step around x.
@@ -69,7 +72,7 @@ def sample(pieces, k, jumps, x, step):
 
 
 @compiled
-def lasts(end, step):
+def lasts(end: float, step: float) -> int:
     """Count the samples from x = 0 until the curve is over; end: its value at x = 1."""
     last = 1 / step
     return int(last + 0.5) + 1 if end != 0 else int(-(-last // 1))

@@ -29,6 +29,17 @@ def sine_of_rest(rest: float) -> float:
     return angle * total
 
 
+def sines(turns: np.ndarray) -> np.ndarray:
+    """Return `sine` of each element, the same bits."""
+    rest = turns - (np.rint(turns) + 0.0)  # Python's round has no -0
+    rest = np.where(abs(rest) > 0.25, np.copysign(0.5, rest) - rest, rest)
+    angle = 2 * pi * rest
+    square, total = angle * angle, np.zeros(rest.shape)
+    for coefficient in SERIES:
+        total = total * square + coefficient
+    return angle * total
+
+
 def quarters(n: int) -> float:
     """Return 2^(n/4)."""
     return ldexp(ROOTS[n % 4], n // 4)

@@ -2,26 +2,43 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ..device.argument import Argument, number, of_type
-from ..device.checks import numbers
 from ..files.tables import require_rising
 from ..files.text import show
-from ..numerics import portable
+from ..numerics.portable import sines
+from ..values.kinds import Number, Quantity, Single, Word
+from ..values.quantities import Share
+from ..values.records import record
+from ..values.units import numbers_in, unit_of
 
 VERSED_SINE = "versed sine"
 DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 """Sign of the frame's acceleration at N above 0; along +z it presses the mass on the beam."""
-Series = Annotated[
-    np.ndarray, Argument("a row of numbers", lambda value: numbers(value) is not None, numbers)
-]
-_IN_US = Argument("a row of numbers in us", lambda v: numbers(v, "us") is not None, numbers)
-Times = Annotated[np.ndarray, _IN_US]
-POSITIVE, COLUMNS = number("(0, inf)"), 6
+
+
+_ANY = "(-inf, inf)"
+
+
+class SeriesKind(Quantity):
+    """Numbers in any unit."""
+
+    def take(self, value: object) -> Number:
+        """Convert numbers, which stay in their unit."""
+        return Quantity(self.noun, unit_of(value) or "", interval=self.interval).take(value)
+
+
+Series = TypeAliasType(
+    "Series", Annotated[Sequence[float] | np.ndarray, SeriesKind("a plain number", interval=_ANY)]
+)
+Times = TypeAliasType(
+    "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
+)
+LASTS, COLUMNS = Single("a duration", "us"), 6
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NEAR_G = 0.01
@@ -50,15 +67,36 @@ def N_of_g(gravity: float) -> float:
     return 1.0 if not gravity or abs(gravity / G - 1) < NEAR_G else G / gravity
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pulse:
     """A shape of peak 1 over x = t/duration from 0 to 1; `sampled` and `read_pulse` make one.
 
-    duration: us, of a recorded shock, train or drop; None where f0 sets it
-    peak: um/us^2, of a recorded shock in known units or of a drop from its height; else NaN
-    notes: warnings about a recorded shock
+    Parameters
+    ----------
+    name
+        What stands in files and figures.
+    pieces
+        Lines and waves, (pieces, 6): begin, value, slope, turns per duration, lift and swing.
+    duration
+        Duration of a recorded shock, train or drop, us; None where f0 sets it.
+    peak
+        Peak of a recorded shock in known units, or of a drop from its height, um/us^2; else NaN.
+    section
+        What a config has under `pulse` for it.
+    notes
+        Warnings about a recorded shock.
+    blows
+        x at which each blow of a train begins, ascending.
+    swing
+        Share of the duration that the fastest change of a train takes.
+    strongest
+        The blow of a train that changes the velocity most.
 
+    Examples
+    --------
     >>> saw = snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0])
+    >>> saw.at(0.125).item()
+    0.5
     """
 
     name: str
@@ -79,7 +117,7 @@ class Pulse:
     def __post_init__(self):
         if not isinstance(self.name, str):
             raise ValueError(f"pulse: name {show(self.name)} is not text")
-        pieces = numbers(self.pieces)
+        pieces = numbers_in(self.pieces, "")
         if pieces is None or pieces.ndim != 2 or pieces.shape[1] != COLUMNS or not pieces.size:
             need = f"rows of {COLUMNS} numbers; sampled and read_pulse make them"
             raise ValueError(f"pulse: pieces {show(self.pieces)} are not {need}")
@@ -88,10 +126,30 @@ class Pulse:
         begin = pieces[:, 0]
         if begin[0] != 0 or begin[-1] >= 1 or (np.diff(begin) <= 0).any():
             raise ValueError("pulse: pieces do not begin at 0 and ascend to below 1; sort them")
-        if self.duration is not None and not POSITIVE.fits(self.duration):
-            need = f"{POSITIVE.need}, or None"
-            raise ValueError(f"pulse: duration {show(self.duration)} is not {need}")
+        try:
+            duration = None if self.duration is None else LASTS.take(self.duration)
+        except ValueError as error:
+            raise ValueError(f"pulse: duration {error}, or None") from None
+        object.__setattr__(self, "duration", duration)
         object.__setattr__(self, "pieces", pieces)
+
+    def __eq__(self, other):
+        """Compare by value."""
+        return isinstance(other, Pulse) and self._key == other._key
+
+    def __hash__(self):
+        """Hash by value."""
+        return hash(self._key)
+
+    @property
+    def _key(self):
+        told = self.duration, self.notes, self.swing, self.strongest
+        arrays = self.pieces.tobytes(), self.blows.tobytes()
+        return self.name, *told, *arrays, repr(self.peak), repr(self.section)
+
+    def __repr__(self):
+        """Write the name, as signatures show a pulse as a default."""
+        return f"<Pulse {self.name!r}>"
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -144,7 +202,7 @@ class Pulse:
         length = np.diff(begin, append=1.0)
         lines = length * (value + lift + slope * length / 2)
         phase = np.where(turns > 0, 2 * np.pi * turns, 1.0)
-        sine, cosine = (np.vectorize(portable.sine)(turns * length + turn) for turn in (0.0, 0.25))
+        sine, cosine = (sines(turns * length + turn) for turn in (0.0, 0.25))
         waves = (swing * (1 - cosine) - lift * sine) / phase
         return lines + np.where(turns > 0, waves, 0.0)
 
@@ -168,8 +226,8 @@ class Pulse:
     def is_smooth(self) -> bool:
         """Whether neither value nor slope jumps anywhere, which would make the beam ring."""
         begin, _, slope, turns, lift, swing = self.pieces.T
-        ends, place = np.unique(turns * np.diff(begin, append=1.0), return_inverse=True)
-        sine, cosine = (np.vectorize(portable.sine)(ends + turn)[place] for turn in (0.0, 0.25))
+        ends = turns * np.diff(begin, append=1.0)
+        sine, cosine = (sines(ends + turn) for turn in (0.0, 0.25))
         rate = 2 * np.pi * turns
         first, last = slope + rate * swing, slope + rate * (lift * sine + swing * cosine)
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
@@ -206,9 +264,9 @@ class Pulse:
         k = np.clip(np.searchsorted(self.pieces[:, 0], x, side="right") - 1, 0, None)
         begin, value, slope, turns, lift, swing = self.pieces[k].T
         s = np.asarray(x) - begin
-        a, sine = value + slope * s, np.vectorize(portable.sine)
+        a = value + slope * s
         if turns.any():
-            a = a + lift * (2 * sine(turns * s * 0.5) ** 2) + swing * sine(turns * s)
+            a = a + lift * (2 * sines(turns * s * 0.5) ** 2) + swing * sines(turns * s)
         return np.where((x >= 0) & (x <= 1), a, 0.0)
 
     def doubts(self, own_frequency: float, lasts: float, gravity: float) -> list[str]:
@@ -241,6 +299,37 @@ SHAPES = {
     ),
 }
 """Makers of the pieces of each shape (`numerics.pieces`); rise, fall: shares of the duration."""
+ShapeName = TypeAliasType("ShapeName", Annotated[str, Word(tuple(SHAPES))])
+
+
+@record
+class Form:
+    """A shape, with rise and fall of a trapezoid."""
+
+    shape: ShapeName = VERSED_SINE
+    """how the acceleration goes over time"""
+    rise: Share | None = None
+    """part of the duration in which a trapezoid rises; 10 % if left out"""
+    fall: Share | None = None
+    """part of the duration in which a trapezoid falls; 10 % if left out"""
+
+    def __post_init__(self):
+        """Raise ValueError for shares that do not fit."""
+        for key in self.shares:
+            if self.shape != "trapezoid":
+                raise ValueError(f"{key}: is of a trapezoid alone; leave it out")
+            if sum({"rise": TENTH, "fall": TENTH, **self.shares}.values()) > 1:
+                raise ValueError(f"{key}: shares are more than the duration; write smaller ones")
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Shares that are given, by key."""
+        shares = {"rise": self.rise, "fall": self.fall}
+        return {key: share for key, share in shares.items() if share is not None}
+
+    def make(self) -> "Pulse":
+        """Make the pulse."""
+        return make_pulse(self.shape, **self.shares)
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -252,16 +341,30 @@ def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:
     return pieces
 
 
-def sampled(
-    time: Times, acceleration: Series, name: Annotated[str, of_type("a name", str)] = "recorded"
-) -> Pulse:
+def sampled(time: Times, acceleration: Series, name: str = "recorded") -> Pulse:
     """Make a pulse of samples, linear between them; it keeps its duration.
 
-    time: us, ascending, (samples,)
-    acceleration: along +z, (samples,), in any unit; N scales its largest absolute value
-    name: stands in files and figures
-    Raises ValueError for samples that are no shock from rest to rest.
+    Parameters
+    ----------
+    time
+        Times of the samples, us, ascending, (samples,).
+    acceleration
+        Acceleration along +z, (samples,), in any unit; N scales its largest absolute value.
+    name
+        What stands in files and figures.
 
+    Returns
+    -------
+    Pulse
+        The shock, for `Study(device, pulse=...)`; f0 is then None.
+
+    Raises
+    ------
+    ValueError
+        One line, for samples that are no shock from rest to rest.
+
+    Examples
+    --------
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """
@@ -320,6 +423,7 @@ def _flat_top(time, values):
     return spans[0] if spans[0] > FLAT_SHARE * spans[1] else 0.0
 
 
+@cache
 def make_pulse(shape: str = VERSED_SINE, **shares: float) -> Pulse:
     """Make a pulse of one of SHAPES, by name; shares: rise and fall of a trapezoid."""
     return Pulse(shape, np.array(SHAPES[shape](**shares)), section={"shape": shape, **shares})

@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from ..device.argument import Argument, ExistingPath
+from typing_extensions import TypeAliasType
+
 from ..files.named import naming, read_named
 from ..files.tables import read_table
-from ..files.text import NAME, is_name
+from ..files.text import NAME, is_name, show
+from ..values.kinds import Fitting
+from ..values.paths import ExistingPath
 from .pulse import G, Pulse, sampled
 
 MOST_SAMPLES = 1_000_000
@@ -18,23 +21,39 @@ TIMES = {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0, "μs": 1.0}
 ACCELERATIONS = {"g": G, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1e-6}
 """Factors to us and um/us^2, by unit."""
 
-Hash = Annotated[
-    str,
-    Argument(
-        "the 64 hexadecimal digits of a SHA-256",
-        lambda value: isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value) is not None,
-    ),
-]
+
+def _take_hash(value):
+    if not (isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value)):
+        raise ValueError(f"{show(value)} is not the 64 hexadecimal digits of a SHA-256")
+    return value
+
+
+Hash = TypeAliasType("Hash", Annotated[str, Fitting("64 hexadecimal digits", _take_hash)])
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
     """Read a recorded shock; it keeps its duration, and N scales its largest acceleration.
 
-    path: CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
-        `time (ms),acceleration (g)`
-    sha256: expected hash of the file, 64 hexadecimal digits; empty for any
-    Raises ValueError, one line with the path, for a file that is no such record.
+    Parameters
+    ----------
+    path
+        CSV of time (s, ms or us) and acceleration (g or m/s^2), with units in the header, as
+        `time (ms),acceleration (g)`.
+    sha256
+        Expected hash of the file, 64 hexadecimal digits; empty for any.
 
+    Returns
+    -------
+    Pulse
+        The shock, for `Study(device, pulse=...)`; f0 is then None.
+
+    Raises
+    ------
+    ValueError
+        One line with the path, for a file that is no such record.
+
+    Examples
+    --------
     >>> snapmap.read_pulse("config/half_sine.csv").duration
     500.0
     """

@@ -2,17 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 from ..files.text import show
-from .options import take_pulse
-from .pulse import DIRECTIONS, SHARES, VERSED_SINE, Pulse, make_pulse
+from ..values.faults import line_at
+from ..values.kinds import Kind
+from ..values.records import build
+from .pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, Pulse, make_pulse
 from .trains import make_drop, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop}
-SECTION = {"shape", *SHARES, *MAKERS, "direction"}
-"""Keys of the section `pulse` of a config, except a file's."""
+SECTION = {"shape", *SHARES, *MAKERS}
+"""Keys of a pulse."""
 UNITS = {"duration": "us", "wait": "us", "height": "um"}
 """Units of values in that section; other values are shares or have no unit."""
 
@@ -94,46 +98,70 @@ HANDOUT_SHOCK = Shocks()
 """A versed sine along +z, the default."""
 
 
+class PulseKind(Kind):
+    """A pulse, or several by name: what `make_shocks` takes."""
+
+    need = f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes"
+
+    def take(self, value: object) -> Pulse | Mapping[str, Pulse]:
+        """Make the pulse, or several by name."""
+        if isinstance(value, list | tuple):
+            pulses = [_pulse(section) for section in value]
+            if not pulses or len({pulse.name for pulse in pulses}) < len(pulses):
+                raise ValueError("a shape comes twice; write each once, or give them names")
+            return {pulse.name: pulse for pulse in pulses}
+        if isinstance(value, Mapping) and value and not value.keys() & SECTION:
+            return {str(name): _pulse(section) for name, section in value.items()}
+        return _pulse(value)
+
+
+class DirectionKind(Kind):
+    """A direction, or several."""
+
+    need = "+z, -z, both, or a list of these"
+
+    def take(self, value: object) -> str | tuple[str, ...]:
+        """Give one of DIRECTIONS, or several."""
+        if value == "both":
+            return tuple(DIRECTIONS)
+        if isinstance(value, str) and value in DIRECTIONS:
+            return value
+        named = isinstance(value, list | tuple) and [*value]
+        if not named or not {*map(str, named)} <= {*DIRECTIONS} or len({*named}) < len(named):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return tuple(named)
+
+
+Pulses = TypeAliasType("Pulses", Annotated[str | Pulse | Mapping | Sequence, PulseKind()])
+Directions = TypeAliasType("Directions", Annotated[str | Sequence[str], DirectionKind()])
+
+
 def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
-    """Make shocks of `pulse` and `direction` as in Python and in a config; ValueError, one line.
+    """Make shocks of `pulse` and `direction`; ValueError, one line.
 
     pulse: name of a shape; a `Pulse`; a mapping as the section `pulse` of a config, in internal
         units, such as {"train": ...}; or several as an axis, in a list or by names
     direction: "+z", "-z", several, or "both"
     """
-    if isinstance(pulse, Mapping) and pulse.keys() <= SECTION:
-        pulse = dict(pulse)
-        direction = pulse.pop("direction", direction)
-        if isinstance(names := pulse.get("shape"), list | tuple):
-            # Shares belong to the trapezoid; without one the first shape refuses them.
-            bearer = "trapezoid" if "trapezoid" in names else names[0]
-            pulse = [pulse | {"shape": name} if name == bearer else name for name in names]
-    direction = tuple(DIRECTIONS) if direction == "both" else direction
-    direction = direction if isinstance(direction, str) else tuple(direction)
-    if isinstance(pulse, list | tuple):
-        pulses = [_pulse(section) for section in pulse]
-        pulse = {pulse.name: pulse for pulse in pulses}
-        if len(pulse) < len(pulses):
-            raise ValueError("pulse: a shape comes twice; write each once, or give them names")
-    elif isinstance(pulse, Mapping) and pulse.keys() - SECTION:
-        pulse = {str(name): _pulse(section) for name, section in pulse.items()}
-    else:
-        pulse = _pulse(pulse)
-    return Shocks(pulse, direction)
+    try:
+        pulse = PulseKind().take(pulse)
+    except ValueError as error:
+        raise ValueError(line_at(("pulse",), str(error))) from None
+    return Shocks(pulse, DirectionKind().take(direction))
 
 
 def _pulse(section):
     """Make a pulse of a section of a config or the name of a shape; leave a Pulse as it is."""
     if isinstance(section, Pulse):
         return section
-    section = {"shape": section} if isinstance(section, str) else section
+    if isinstance(section, str) and section in SHAPES:
+        return make_pulse(section)
     if not isinstance(section, Mapping):
-        raise ValueError(f"pulse: {show(section)} is not a shape or pulse; `read_pulse` makes one")
+        raise ValueError(f"{show(section)} is not {PulseKind.need}")
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])
-    section = {"shape": VERSED_SINE, **section}
-    return make_pulse(**take_pulse("pulse", section, ("shape",), SHARES))
+    return build(Form, section).make()
 
 
 def _written(section):

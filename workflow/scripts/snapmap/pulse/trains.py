@@ -2,19 +2,77 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import KW_ONLY, replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from .options import take_pulse
-from .pulse import SHARES, VERSED_SINE, G, Pulse, make_pulse
+from ..files.text import show
+from ..values.faults import at_key
+from ..values.kinds import Fitting, Single, Whole
+from ..values.quantities import Height, PulseTime
+from ..values.records import build, record, told
+from .pulse import Form, G, Pulse
 
 # ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
 # ASSUME: rebounds below this share of the first impact's velocity are left out.
 LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
+
+
+def _take_peak(value):
+    number = Single("a plain number", "", "2", "(-inf, inf)").take(value)
+    if number == 0:
+        raise ValueError("0 is no blow; write a number above or below 0, or a wait")
+    return number
+
+
+_JSON = (("type", "number"),)
+Peak = TypeAliasType("Peak", Annotated[float, Fitting("a plain number", _take_peak, _JSON)])
+Times = TypeAliasType("Times", Annotated[int, Whole(1)])
+Rebound = TypeAliasType(
+    "Rebound", Annotated[float, Single("a plain number", "", "0.3", "[0, 0.99]")]
+)
+
+
+@record
+class Blow(Form):
+    """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
+
+    _: KW_ONLY
+    N: Peak = 1.0
+    """peak relative to other blows, below 0 for the other direction"""
+    duration: PulseTime | None = None
+    """duration of the blow; required, but of a wait or a repeat"""
+    wait: PulseTime | None = None
+    """time without a blow, alone in its item"""
+    repeat: Times | None = None
+    """how often all items before it occur, in total, alone in its item"""
+
+    @classmethod
+    def beside(cls, written: Mapping) -> dict[str, str]:
+        """Find keys that exclude each other, or a duration that is missing."""
+        for key in ("wait", "repeat"):
+            if key in written and len(written) > 1:
+                return {key: "stands alone in its item; write the others in an item of their own"}
+        if not written.keys() & {"duration", "wait", "repeat"}:
+            return {"duration": "missing; write a duration above 0"}
+        return {}
+
+
+@record
+class Drop(Form):
+    """A free fall, its blow, and the rebounds."""
+
+    _: KW_ONLY
+    height: Height
+    """height of the free fall"""
+    duration: PulseTime
+    """duration of each blow"""
+    rebound: Rebound = 0.0
+    """velocity after a blow over that before"""
 
 
 class Part(NamedTuple):
@@ -33,58 +91,61 @@ class Part(NamedTuple):
     swing: float = math.inf
 
 
-def make_train(items: Sequence[Mapping]) -> Pulse:
+def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
     """Make a pulse of blows; its peak is that of the blow with the largest one.
 
-    items: blows {shape, N, duration (us), rise, fall}, whose peaks are in the ratio of N, negative
-        for the other direction; {wait: us}; {repeat: how often all before it comes, in total}
     Raises ValueError, one line, for other items or too many.
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
-        raise ValueError("pulse.train: is not a list of blows, waits and repeats")
+        raise ValueError(f".train: {show(items)} is not a list of blows, waits and repeats")
     parts, section = [], []
     for place, item in enumerate(items):
-        path, keys = f"pulse.train[{place}]", [*item] if isinstance(item, Mapping) else []
-        if keys in (["wait"], ["repeat"]):
-            item = take_pulse(path, item, keys)
+        with at_key("train", place):
+            item = _of(Blow, item)
+        section.append(told(item))
+        if item.repeat is None:
+            parts.append(_blow(item, item.N) if item.wait is None else _flat(item.wait, 0.0))
+        elif len(parts) * item.repeat > MOST_BLOWS:
+            more = f"makes over {MOST_BLOWS} blows and waits; write fewer"
+            raise ValueError(f".train[{place}].repeat: {more}")
         else:
-            item = take_pulse(path, item, ("duration",), ("shape", "N", *SHARES))
-        section.append(item)
-        if "repeat" not in item:
-            parts.append(_flat(item["wait"], 0.0) if "wait" in item else _blow(**item))
-        elif len(parts) * item["repeat"] > MOST_BLOWS:
-            raise ValueError(f"{path}.repeat: makes over {MOST_BLOWS} blows and waits; write fewer")
-        else:
-            parts *= item["repeat"]
+            parts *= item.repeat
     return _joined("train", parts, section)
 
 
-def make_drop(drop: Mapping) -> Pulse:
+def _of(made, values):
+    """Make a record of a mapping; leave a record as it is."""
+    if isinstance(values, made):
+        return values
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{show(values)} is not a mapping")
+    return build(made, values)
+
+
+def make_drop(drop: Drop | Mapping) -> Pulse:
     """Make a pulse of a free fall from rest, a blow, and the flights and blows of its rebounds.
 
-    drop: height (um); duration (us), shape, rise and fall of each blow; rebound: velocity after
-        over that before a blow, from 0 to 0.99, by default 0
     A blow at velocity v changes it by (1 + rebound) v, from which its peak follows.
     Raises ValueError, one line, for another mapping or a blow below 1 g.
     """
-    drop = take_pulse("pulse.drop", drop, ("height", "duration"), ("rebound", "shape", *SHARES))
-    rebound, velocity = drop.get("rebound", 0.0), math.sqrt(2 * G * drop["height"])
-    blow = {key: drop[key] for key in drop if key not in ("height", "rebound")}
-    peak = (1 + rebound) * velocity / _blow(**blow).area
+    with at_key("drop"):
+        drop = _of(Drop, drop)
+    rebound, velocity = drop.rebound, math.sqrt(2 * G * drop.height)
+    peak = (1 + rebound) * velocity / _blow(drop).area
     if peak < G:
-        line = f"pulse.drop: its blow has only {peak / G:.2g} g"
+        line = f".drop: its blow has only {peak / G:.2g} g"
         raise ValueError(f"{line}; write a shorter duration")
     # In free fall the frame accelerates by -g; the jump at its end is small beside the blow.
     lasts, level, share = velocity / G, -G / peak, 1.0
-    parts = [_flat(lasts, level), _blow(**blow)]
+    parts = [_flat(lasts, level), _blow(drop)]
     while (share := share * rebound) >= LEAST_REBOUND:
-        parts += [_flat(2 * share * velocity / G, level), _blow(**blow, N=share)]
-    return replace(_joined("drop", parts, drop), peak=peak)
+        parts += [_flat(2 * share * velocity / G, level), _blow(drop, share)]
+    return replace(_joined("drop", parts, told(drop)), peak=peak)
 
 
-def _blow(duration, shape=VERSED_SINE, N=1.0, **shares):
+def _blow(form, N=1.0):
     """Make a blow; if its shape ends with a jump, a line brings it back to 0."""
-    pulse = make_pulse(shape, **shares)
+    pulse, duration = form.make(), form.duration
     pieces = pulse.pieces * [duration, N, N / duration, 1 / duration, N, N]
     area, jump, join = N * pulse.area * duration, N * pulse.ends[1], JOIN * duration
     if not jump:
@@ -104,7 +165,7 @@ def _joined(name, parts, section):
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
     if not blows.any():
-        raise ValueError(f"pulse.{name}: has no blow; write one such as {{duration: 0.5 ms}}")
+        raise ValueError(f".{name}: has no blow; write one such as {{duration: 0.5 ms}}")
     lasts, peak = float(begins[-1]), max(part.peak for part in parts)
     pieces = np.vstack([part.pieces for part in parts])
     pieces[:, 0] += np.repeat(begins[:-1], [len(part.pieces) for part in parts])

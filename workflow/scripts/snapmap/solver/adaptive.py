@@ -1,7 +1,7 @@
 """The model `auto`: levels of models, of which the cheapest that suffices decides each cell."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Optional
 
 import numpy as np
@@ -9,9 +9,11 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..device.device import Device
 from .cells import Cells, Observations
-from .laws import laws_of, well_of
-from .models import Follows, build_model, check_options, mixed
-from .settings import FIRST, Settings
+from .kept import kept
+from .laws import well_of
+from .models import Follows, build_model, mixed, require_fitting
+from .options import TOLERANCE, Auto, Chosen, Cosines
+from .settings import FIRST, Run
 
 RUNGS = (3, 5, 11)
 """Numbers of cosines of the levels; odd ones, as even cosines do not move the midpoint."""
@@ -27,8 +29,6 @@ DISPUTED, AGREED, UNCOMPARED = range(3)
 """Values of `Observations.agreed`."""
 FINE_STEPS = 0.5
 """Factor of the finest model's steps, to decide fast thresholds and to see islands of snap."""
-TOLERANCE = 1e-3
-"""Default relative error of a threshold that `auto` may make; its usual steps make as much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Adaptive:
         """Return the same levels of a device of the batch, or of several."""
         return Adaptive(*(level.pick(which) for level in (self.base, self.check, self.top)))
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow rows of cells, (rows, n), of ascending N, each cell by the level that suffices.
 
         A cell is safe if its ledger closes and no label changes near it along N. Others are decided
@@ -84,22 +84,22 @@ class Adaptive:
             if not new.any():
                 return observed._replace(level=level, agreed=agreed)
             near = cells.take(new)
-            check = self.check.follow(near, settings._replace(until="snap"))
+            check = self.check.follow(near, settings.but(until="snap"))
             top = self.follow_by_top(near, settings)
             level[new] = 1
             same = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
 
-    def follow_by_top(self, cells: Cells, settings: Settings) -> Observations:
+    def follow_by_top(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells, (cells,), by top; whether they snap is decided in the steps of EDGE."""
-        edge = self.top.follow(cells, settings._replace(until="edge"))
+        edge = self.top.follow(cells, settings.but(until="edge"))
         if settings.until != "settled":
             return edge
         observed = self.top.follow(cells, settings)
         differ = np.isfinite(observed.t_snap) != np.isfinite(edge.t_snap)
         # The steps of MOVE are shorter than those of either run.
-        moved = self.top.follow(cells.take(differ), settings._replace(until="moved"))
+        moved = self.top.follow(cells.take(differ), settings.but(until="moved"))
         observed.replace(differ, moved)
         return observed
 
@@ -136,32 +136,34 @@ class Survey(NamedTuple):
         return self, *(self.finer.levels if self.finer else ())
 
 
-def choose_model(device: Device, model: Mapping, start: str = FIRST) -> Follows | Adaptive:
-    """Build the model of a name and options for a device or a batch; start: as in `Settings`."""
-    if model["name"] == "auto":
-        return _levels(device, start, **model)
-    return build_model(device, **model)
+def choose_model(device: Device, chosen: Chosen, start: str = FIRST) -> Follows | Adaptive:
+    """Build the chosen model for a device or a batch; start: as in `Run`."""
+    if not isinstance(chosen, Auto):
+        return build_model(device, chosen)
+    require_fitting(device, chosen)
+    build = partial(build_adaptive, device, chosen.tolerance, start)
+    return kept(build, device, chosen, "levels", start)
 
 
-def _levels(device, start, name, **options) -> Adaptive:
-    check_options(device, name, options)
-    return build_adaptive(device, start=start, **options)
+def choose_survey(device: Device, chosen: Chosen, start: str = FIRST) -> Survey:
+    """Build the survey of the chosen model for a batch; start: as in `Run`."""
+    return kept(partial(_survey, device, chosen, start), device, chosen, "survey", start)
 
 
-def choose_survey(device: Device, model: Mapping, start: str = FIRST) -> Survey:
-    """Build the survey of a model's name and options for a batch; start: as in `Settings`."""
+def _survey(device, chosen, start):
     static = np.asarray(static_threshold(device, back=start != FIRST))
-    if laws := laws_of(model):
-        return _of_laws(build_model(device, **model), laws, static)
-    is_auto = model["name"] == "auto"
-    levels = _levels(device, start, **model) if is_auto else build_adaptive(device, start=start)
+    if laws := chosen.laws:
+        # No finer model judges a kernel's thresholds, so they are found in finer steps.
+        step = 1.0 if chosen.name == "reference" else FINE_STEPS
+        return _of_laws(build_model(device, chosen).with_step(step), laws, static)
+    levels = choose_model(device, chosen if isinstance(chosen, Auto) else Auto(), start)
     coarse, middle, fine = levels.base, levels.check, levels.top
     finest = fine.with_step(FINE_STEPS)
-    if not is_auto:
-        decides = build_model(device, **model)
+    if not isinstance(chosen, Auto):
+        decides = build_model(device, chosen)
         return Survey(coarse, decides, decides, (middle, fine), finest, static)
     finer = Survey(coarse, finest, fine, (middle,), None, static)
-    tolerance = model.get("tolerance", TOLERANCE)
+    tolerance = chosen.tolerance
     return Survey(coarse, middle, middle, (coarse,), finest, static, (fine,), tolerance, finer)
 
 
@@ -177,14 +179,14 @@ def _of_laws(model, laws, static):
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:
-    """Build the levels in steps for a relative tolerance of thresholds; start: as in `Settings`."""
+    """Build the levels in steps for a relative tolerance of thresholds; start: as in `Run`."""
     beam = device.beam
     uneven = np.not_equal(beam.cosine_4, 0) | np.not_equal(beam.cosine_5, 0)
     finer = uneven | (start != FIRST)
 
     def level(*rungs):
         def build(is_finer):
-            return build_model(device, "cosines", modes=rungs[int(is_finer)])
+            return build_model(device, Cosines(modes=rungs[int(is_finer)]))
 
         return mixed(build, finer if rungs[0] != rungs[1] else False)
 

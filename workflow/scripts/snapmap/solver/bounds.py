@@ -26,22 +26,25 @@ from functools import partial
 
 import numpy as np
 
-from ..device.device import Value
 from ..numerics.linalg import dot
+from ..values.kinds import Number
 from .cells import Rows
-from .laws import Laws, curve
+from .laws import Laws, curve, of_user
 from .models import Follows
 from .settings import FIRST
+
+SHARES = np.linspace(-1.0, 1.0, 16)
+"""Velocities and places at which a law of damping is asked whether it drives, over the largest."""
 
 
 def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarray:
     """Return the N, in multiples of g, (rows,), below which no shock has the energy for a snap.
 
-    model: of a batch, to which the rows belong; start: as in `Settings`
+    model: of a batch, to which the rows belong; start: as in `Run`
     """
     bounds = np.empty((2, len(model.device)))
     for mine, part in model.split(np.arange(bounds.shape[1])):
-        if not _stores(part, start):
+        if not _stores(part, rows, start):
             bounds[:, mine] = 0.0
             continue
         device, modal, barrier = part.device, part.modal, part.barrier
@@ -49,7 +52,7 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
         soft = dot(modal.midpoint, modal.midpoint / modal.stiffness) + modal.residual
         sag = device.mass * device.mass / device.spring
         of_beam = dot(modal.load, modal.load / modal.stiffness)
-        energy: Value
+        energy: Number
         if part.laws and part.laws.force:
             energy, swing = barrier.energy, 0.0 * barrier.energy
         elif start == FIRST:
@@ -70,12 +73,29 @@ def least_amplitudes(model: Follows, rows: Rows, start: str = FIRST) -> np.ndarr
     return a / np.asarray(model.device.gravity)[rows.device]
 
 
-def _stores(model, start):
-    """Return whether a law of contact, where sampled, has an energy as the bounds need it."""
+def _stores(model, rows, start):
+    """Return whether the laws of contact and damping are, where sampled, as the bounds need them.
+
+    The contact has an energy, and with no more energy than that of the saddle no mass is driven.
+    """
     device, barrier, laws = model.device, model.barrier, model.laws or Laws()
     apart = np.max(device.gap + (0.0 if start == FIRST else barrier.first - barrier.second))
     for stiffness in np.unique(device.contact) if laws.contact else ():
         s, P = curve("contact", partial(laws.contact, stiffness), device.beam.rise)
         if np.any(s * P < 0) or np.any(P[(s >= -apart) & (s <= 0)]):
             return False
+    if laws.damping:
+        fastest, farthest = (
+            np.sqrt(2 * np.max(barrier.energy / inertia))
+            for inertia in (device.mass, device.spring)
+        )
+        C = rows.C * np.atleast_1d(device.damper_factor)[rows.device]
+        velocities, places = fastest * SHARES * abs(SHARES), farthest * SHARES
+        with of_user("damping"):
+            return all(
+                velocity * laws.damping(damping, velocity, place) >= 0
+                for damping in np.unique(C).tolist()
+                for velocity in velocities.tolist()
+                for place in places.tolist()
+            )
     return laws.solver is None

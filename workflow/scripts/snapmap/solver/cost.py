@@ -4,10 +4,10 @@ import warnings
 
 import numpy as np
 
-from ..device.quantities import plain
+from ..files.text import plain
 from .cells import Cells
 from .models import Follows
-from .settings import Settings
+from .settings import Run
 
 MOST_SECONDS = 3.6e7
 """Longest time, s, 10 000 core hours; more is refused as a slip."""
@@ -36,9 +36,7 @@ def spoken(seconds: float) -> str:
     return f"{plain(seconds, 2)} s"
 
 
-def steps_and_seconds(
-    built: Follows, cells: Cells, settings: Settings
-) -> tuple[np.ndarray, np.ndarray]:
+def steps_and_seconds(built: Follows, cells: Cells, settings: Run) -> tuple[np.ndarray, np.ndarray]:
     """Return the step of each cell, us, and about the time to follow it to its horizon, s.
 
     Both have the cells' shape.

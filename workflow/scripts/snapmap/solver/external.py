@@ -7,13 +7,15 @@ import numpy as np
 from ..device.device import Device
 from ..files.text import show
 from ..pulse.pulse import Pulse
+from .cells import Cells
 from .laws import of_user
+from .settings import Run
 
 LANES = 1  # cells that are followed side by side
 
 
 class Cell(NamedTuple):
-    """A single cell for a solver, with the units of `Cells` and the start of `Settings`."""
+    """A single cell for a solver, with the units of `Cells` and the start of `Run`."""
 
     device: Device
     pulse: Pulse
@@ -28,7 +30,7 @@ class Cell(NamedTuple):
         return self.amplitude * self.pulse.at(np.asarray(self.f0 * t))
 
 
-def march(model, cells, dt, settings):
+def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarray, ...]:
     """Follow cells by the solver of `Laws`; takes and returns what `plain_loop.march` does.
 
     The solver takes a `Cell` and a step, us, and returns t_snap, us: None or NaN for no snap, inf
@@ -38,7 +40,7 @@ def march(model, cells, dt, settings):
     for i in range(dt.size):
         device, pulse, *values = (column[i].item() for column in cells[:-1])
         alone = model.pick(device).device
-        cell = Cell(alone, cells.pulses[pulse], *values, settings.start)
+        cell = Cell._make((alone, cells.pulses[pulse], *values, settings.start))
         N, f0, C = cell.amplitude / alone.gravity, 1e6 * cell.f0, cell.damping
         name = getattr(model.laws.solver, "__name__", "solver")
         with of_user(f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} uN*us/um"):

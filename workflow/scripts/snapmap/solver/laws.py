@@ -1,19 +1,22 @@
 """A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
 
 import inspect
+import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ..device.argument import Argument
-from ..device.device import Value
-from ..files.named import naming, read_named
-from ..files.text import show
+from ..files.named import inside, naming, read_named, sha256_of
+from ..files.text import describe, show
+from ..values.kinds import Fitting, Kind, Number
+from ..values.quantities import Value
 
+logger = logging.getLogger("snapmap")
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
@@ -23,7 +26,15 @@ PARAMETERS = {
 """Parameters of each law, in this order and under any names; units: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
-Law = Annotated[Callable, Argument("a function of numbers", callable)]
+
+
+def _take_law(value):
+    if not callable(value):
+        raise ValueError(f"{show(value)} is not a function of numbers")
+    return value
+
+
+Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", _take_law)])
 MODULE = "laws_of_a_study"
 """Name of the module of a file of laws: numba would take that of another one for it."""
 REACH, POINTS = 10.0, 10_000
@@ -35,16 +46,21 @@ class Laws:
     """Compiled functions, as `reference` takes them; None where the device's force acts.
 
     solver: function in place of the whole model, as in `external.march`
+    file, sha256: of the functions, if they were read from one
     """
 
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
     solver: Callable | None = None
+    file: str = ""
+    sha256: str = ""
 
     def __str__(self):
-        """Name the functions, as in attributes of products."""
-        laws = ((key, law) for key, law in vars(self).items() if law)
+        """Name the file, or the functions, as in attributes of products."""
+        if self.file:
+            return self.file
+        laws = ((key, law) for key in PARAMETERS if (law := getattr(self, key)))
         return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
 
@@ -52,21 +68,44 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-) -> dict[str, object]:
+) -> object:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
-    damping: function (C, velocity, place) that returns the drag on the mass, uN, else C velocity
-    contact: function (stiffness, overlap) that returns the force that separates mass and beam, uN
-    force: function (displacement) that returns the force that holds the midpoint, uN
-    numba compiles these functions of floats, in um and us; docs/own-physics.md describes them.
+    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
 
+    Parameters
+    ----------
+    damping
+        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
+    contact
+        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
+        stiffness times overlap.
+    force
+        Function (displacement) that returns the force that holds the midpoint, uN; by default that
+        of the beam.
+
+    Returns
+    -------
+    Reference
+        The model, for `Study(device, model=...)`.
+
+    Raises
+    ------
+    ValueError
+        One line, for a law that numba cannot compile, or if there is none.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> snapmap.simulate(device, 1000, 1500, 25, model=cubic, horizon=0).outcome
+    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
+    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
     'snapped'
     """
+    from .options import Reference
+
     laws = compile_laws({"damping": damping, "contact": contact, "force": force})
-    return {"name": "reference", "laws": laws}
+    return Reference(laws=laws)
 
 
 def compile_laws(functions: Mapping[str, object]) -> Laws:
@@ -106,13 +145,47 @@ def load_laws(path: str, sha256: str = "") -> Laws:
     names = {"__name__": MODULE}
     with of_user(path):
         exec(compile(content, path, "exec"), names)
-    return compile_laws(names)
+    return replace(compile_laws(names), file=path, sha256=sha256)
 
 
-def laws_of(options: Mapping) -> Laws | None:
-    """Return the laws in a model's options, read from a file if they name one; None without."""
-    laws = options.get("laws")
-    return load_laws(laws, options.get("sha256", "")) if isinstance(laws, str) else laws
+class LawsKind(Kind):
+    """Laws: what `compile_laws` makes, or the path of a Python file that has them."""
+
+    need = "the path of a Python file with laws, or functions by name"
+    asks = "the path of a Python file in the study's folder"
+
+    def take(self, value: object) -> Laws:
+        """Take laws, or read a file."""
+        if isinstance(value, Laws):
+            return value
+        are_functions = isinstance(value, Mapping) and value.keys() <= PARAMETERS.keys()
+        if not are_functions and not isinstance(value, str):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        try:
+            if isinstance(value, Mapping):
+                return compile_laws(value)
+            return load_laws(str(value), sha256_of(str(value), *LAWS))
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("model.laws: ")) from error
+
+    def read(self, value: object) -> Laws:
+        """Read a file in the study's folder."""
+        if not (isinstance(value, str) and value):
+            raise ValueError(f"{describe(value)} is not {self.asks}")
+        return self.take(inside(value))
+
+    def schema(self) -> dict:
+        """Describe a path."""
+        return {"type": "string"}
+
+
+UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
+
+
+@cache
+def announce(what: str, laws: object, seconds: int) -> None:
+    """Say once that numba begins to compile a user's functions, and how long that takes."""
+    logger.warning("compiling your %s: once in each process, about %d s", what, seconds)
 
 
 def _compiled(key, law):
@@ -142,7 +215,7 @@ def _compiled(key, law):
     return law
 
 
-def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
+def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
     """Find saddle and second shape, um, and the energy of the saddle, pJ, of a double well.
 
     The energy is the integral of the force. Raises ValueError if this has no double well.
@@ -162,7 +235,7 @@ def well_of(force: Callable, rise: Value) -> tuple[float, float, float]:
     return saddle, second, float(energy)
 
 
-def curve(name: str, law: Callable, rise: Value) -> tuple[np.ndarray, np.ndarray]:
+def curve(name: str, law: Callable, rise: Number) -> tuple[np.ndarray, np.ndarray]:
     """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
     with of_user(name):

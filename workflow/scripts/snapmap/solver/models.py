@@ -1,13 +1,13 @@
 """Models of a device or a batch, by name: each follows cells and returns observations."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
 from types import ModuleType
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,12 +16,15 @@ from ..beam.cosines import buckling_shapes, symmetric_cosines
 from ..beam.elements import hermite_elements
 from ..beam.equilibria import Barrier, Rest, find_barrier, require_rest, second_shape
 from ..beam.modal import ModalBeam, contact_stiffness, pulse_load, reduce_to_modes
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..files.counting import count
+from ..values.kinds import Number
+from ..values.records import told
 from .cells import Cells, Observations, no_observations
-from .laws import Laws, laws_of, well_of
-from .options import take_model
-from .settings import FIRST, MOVE, SECOND, Settings
+from .law_tables import Tables, tabulate, well_as_mode
+from .laws import Laws, announce, well_of
+from .options import Chosen, Cosines, Elements, Reference
+from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -43,7 +46,7 @@ class Follows(Protocol):
     def levels(self) -> tuple["Follows", ...]:
         """The discretisations by the `level` of observations, the cheapest first."""
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells, (rows, n), whose amplitude ascends in each row; observations likewise."""
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -63,7 +66,7 @@ class Model:
     basis, modal: matrices of the beam, and their reduced form
     barrier: between the two shapes of the reduced form
     steps: rule of the time steps
-    laws: of a user, in place of some forces; for `reference` alone
+    laws: of a user, in place of some forces; tables: of these, but for `reference`
     """
 
     name: str
@@ -73,6 +76,7 @@ class Model:
     barrier: Barrier
     steps: Steps
     laws: Laws | None = None
+    tables: Tables | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -97,12 +101,12 @@ class Model:
         """Return the modes p of `ModalBeam` at which a run starts, (..., k)."""
         return self.second.modes if start == SECOND else np.zeros(self.modal.load.shape)
 
-    def snap_target(self, start: str) -> Value:
+    def snap_target(self, start: str) -> Number:
         """Return w(L/2) of a snap, um from the first shape; -w(L/2) of a run from the second."""
         first = self.barrier.first
         return self.barrier.second - first if start == FIRST else 0.0 * first
 
-    def time_steps(self, cells: Cells, settings: Settings) -> np.ndarray:
+    def time_steps(self, cells: Cells, settings: Run) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape."""
         speed = striking_speed(self.device, cells, settings.start)
         return self.steps.of(cells, settings.question, speed)
@@ -110,7 +114,10 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        loop = "external" if self.laws and self.laws.solver else loop
+        if self.laws and self.laws.solver:
+            loop = "external"
+        elif self.laws and loop == "plain_loop":
+            announce("laws", self.laws, 10)
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -128,9 +135,16 @@ class Model:
         modal = ModalBeam(*(np.asarray(column)[which] for column in self.modal))
         barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
         device, steps = self.device.pick(which), self.steps.pick(which)
-        return replace(self, device=device, modal=modal, barrier=barrier, steps=steps)
+        tables = self.tables and self.tables.pick(which)
+        parts: dict[str, Any] = {
+            "device": device,
+            "modal": modal,
+            "barrier": barrier,
+            "steps": steps,
+        }
+        return replace(self, tables=tables, **parts)
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
 
         To learn where a cell stays, it is first followed to the end of its pulse with the longer
@@ -143,7 +157,7 @@ class Model:
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
         left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
         if settings.until == "settled" and self.name != "reference":
-            first = self.follow_once(flat.take(left), settings._replace(until="pulse"))
+            first = self.follow_once(flat.take(left), settings.but(until="pulse"))
             observed.replace(left, first)
             believed = first.energy_error <= settings.energy_tolerance
             left = left[np.isnan(first.t_settled) | ~believed]
@@ -156,7 +170,7 @@ class Model:
             left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
         return observed.shaped(np.shape(cells.f0))
 
-    def follow_once(self, cells: Cells, settings: Settings) -> Observations:
+    def follow_once(self, cells: Cells, settings: Run) -> Observations:
         """Follow every cell, (cells,), once, in steps of the rule, whatever its ledger says."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings)
@@ -229,7 +243,7 @@ class Mixed(NamedTuple):
             return (self.second if self.other[which] else self.first).pick(which)
         return Mixed(self.first.pick(which), self.second.pick(which), self.other[which])
 
-    def follow(self, cells: Cells, settings: Settings) -> Observations:
+    def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow every cell by the model of its device."""
         observed = no_observations(np.shape(cells.f0))
         for mine, model in self.split(cells.device):
@@ -248,29 +262,28 @@ def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows
     return Mixed(build(False), build(True), np.asarray(other))
 
 
-def build_model(device: Device, name: str = "elements", **options) -> Follows:
+def build_model(device: Device, chosen: Cosines | Elements | Reference) -> Follows:
     """Discretise the beams of a device or a batch; raises ValueError, one line.
 
-    options: elements (of the half beam) or cosines, modes (kept), laws; a beam that is free to tilt
-        has as many antisymmetric cosines and modes beside these
+    A beam that is free to tilt has as many antisymmetric cosines and modes beside those chosen.
     """
-    check_options(device, name, options)
+    require_fitting(device, chosen)
     device.beam.require_second_shape()
-    return mixed(partial(_build, device, name, options), np.not_equal(device.beam.free, 0))
+    return mixed(partial(_build, device, chosen), np.not_equal(device.beam.free, 0))
 
 
-def _build(device, name, options, is_free):
+def _build(device, chosen, is_free):
     """Build the model of devices as if all were guided, or all free to tilt."""
-    laws = laws_of(options)
+    name, laws, modes = chosen.name, chosen.laws, getattr(chosen, "modes", None)
     force = laws.force if laws else None
     if force:
         basis = symmetric_cosines(1)
     elif name == "cosines":
         basis_of = buckling_shapes if is_free else symmetric_cosines
-        basis = basis_of(options.get("cosines", options.get("modes", 5)))
+        basis = basis_of(chosen.cosines or modes or 5)
     else:
-        basis = hermite_elements(options.get("elements", 5), bool(is_free))
-    modes, most = options.get("modes"), basis.load.size // (1 + is_free)
+        basis = hermite_elements(chosen.elements, bool(is_free))
+    most = basis.load.size // (1 + is_free)
     if modes is None:
         modes = basis.load.size if name == "cosines" else _modes_of_elements(device, basis, name)
     elif modes > most:
@@ -290,23 +303,32 @@ def _build(device, name, options, is_free):
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
         modal = modal._replace(residual=0.0 * modal.residual)
+        if name != "reference":
+            modal = well_as_mode(modal, force, second)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    return Model(name, device, basis, modal, barrier, steps, laws)
+    if force and name != "reference":
+        steps = steps.of_one_mode()
+    tables = tabulate(laws, device, modal) if laws and name != "reference" else None
+    return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 
-def check_options(device: Device, name: str, options: Mapping) -> None:
-    """Raise ValueError, one line, for a wrong model or option, or one that the device excludes."""
-    take_model({"name": name, **options})
-    if name == "reference" and np.isinf(device.contact).any():
+def require_fitting(device: Device, chosen: Chosen) -> None:
+    """Raise ValueError, one line, for a model that a device excludes."""
+    if chosen.name == "reference" and np.isinf(device.contact).any():
         raise ValueError(
             "device.contact: hard excludes the reference model; write a stiffness such as 40 N/m, "
             "or the model elements"
         )
-    if laws := laws_of(options):
+    if laws := chosen.laws:
+        sizes, kernel = {*told(chosen)} - {"laws", "name"}, chosen.name != "reference"
+        law_meets_stops = laws.contact or (laws.force and kernel)
         for key, refused in {
-            "model.elements:": laws.force and "elements" in options,
-            "device.stops:": laws.contact and device.has_stops,
+            "model.laws: solver": laws.solver and kernel,
+            f"model.{min(sizes, default='')}:": laws.force and sizes,
+            "device.contact: hard": (laws.contact or laws.force) and np.isinf(device.contact),
+            "device.stop_toward:": law_meets_stops and np.isfinite(device.stop_toward),
+            "device.stop_away:": law_meets_stops and np.isfinite(device.stop_away),
             "device.contact_at:": device.has_electrode,
             "device.strength:": np.isfinite(device.strength),
             "device.mass: none": device.is_alone,

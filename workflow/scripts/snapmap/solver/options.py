@@ -1,51 +1,158 @@
-"""The names of models and their options, in Python as in a config."""
+"""How a cell is simulated: a model by its name, with its options."""
 
-from collections.abc import Mapping
-from typing import Annotated, TypedDict
+from collections.abc import Callable, Mapping
+from typing import Annotated, Literal
 
-from ..device.argument import Argument, argument_of, integer, number, word
-from .laws import Laws
+from typing_extensions import TypeAliasType
 
-OPTIONS = {
-    "reference": ("elements", "laws"),
-    "elements": ("elements", "modes"),
-    "cosines": ("cosines", "modes"),
-    "auto": ("tolerance",),
-}
-"""Names of the options of each model."""
+from ..files.text import describe, show
+from ..values.faults import Faults
+from ..values.fields import hints
+from ..values.kinds import Kind
+from ..values.quantities import Count, Fraction, Modes
+from ..values.reading import read_part
+from ..values.records import build, record, told
+from .laws import Laws, UserLaws, compile_laws
 
-
-class ModelOptions(TypedDict, total=False):
-    """Options of models, of functions whose `tolerance` is an argument of their own."""
-
-    elements: Annotated[int, integer(1, 100)]
-    cosines: Annotated[int, integer(1, 100)]
-    modes: Annotated[int, integer(1, 200)]
+TOLERANCE = 1e-3
+"""Default relative error of a threshold that `auto` may make; its usual steps make as much."""
 
 
-class AutoOptions(ModelOptions, total=False):
-    """Options of models, of all other functions."""
+@record
+class Auto:
+    """The cheapest sufficient number of cosines for each cell.
 
-    tolerance: Annotated[float, number("(0, 1)", "", "1e-3")]
+    Examples
+    --------
+    >>> snapmap.Auto(tolerance=0.01)
+    Auto(tolerance=0.01)
+    """
+
+    tolerance: Fraction = TOLERANCE
+    """largest relative error of thresholds"""
+    name: Literal["auto"] = "auto"
+    """the model"""
+
+    laws = None
 
 
-OF_MODEL = {key: argument_of(kind) for key, kind in AutoOptions.__annotations__.items()}
-OF_MODEL["laws"] = Argument(
-    "a file of laws or what snapmap.reference makes", lambda value: isinstance(value, str | Laws)
-)
-"""Description of each option."""
+@record
+class Cosines:
+    """Symmetric cosines.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> snapmap.Study(device, model=snapmap.Cosines(modes=3)).model
+    Cosines(modes=3)
+    """
+
+    modes: Modes | None = None
+    """number of modes; all if left out"""
+    cosines: Count | None = None
+    """number of symmetric cosines; as many as `modes`, else 5, if left out"""
+    laws: UserLaws | None = None
+    """laws in place of the device's own forces: a Python file, or functions by name"""
+    name: Literal["cosines"] = "cosines"
+    """the model"""
 
 
-def take_model(model: Mapping) -> dict[str, object]:
-    """Check and convert a model's name and options; raises ValueError, one line."""
-    name = str(word(*OPTIONS).take("model.name", model.get("name")))
-    options: dict[str, object] = {"name": name}
-    for key, value in model.items():
-        if key in OPTIONS[name]:
-            options[key] = OF_MODEL[key].take(f"model.{key}", value)
-        elif key == "sha256" and isinstance(model.get("laws"), str):
-            options[key] = value
-        elif key != "name":
-            known = ", ".join(OPTIONS[name])
-            raise ValueError(f"model.{key}: is not an option of {name}; write one of {known}")
-    return options
+@record
+class Elements:
+    """Hermite elements on the half beam, as in the handout.
+
+    Examples
+    --------
+    >>> snapmap.Elements(modes=4).elements
+    5
+    """
+
+    elements: Count = 5
+    """number of elements on the half beam"""
+    modes: Modes | None = None
+    """number of modes; all if left out, with hard contact three quarters"""
+    laws: UserLaws | None = None
+    """laws in place of the device's own forces: a Python file, or functions by name"""
+    name: Literal["elements"] = "elements"
+    """the model"""
+
+
+@record
+class Reference:
+    """The handout's central differences in a plain loop; slow.
+
+    Examples
+    --------
+    >>> snapmap.Reference(elements=10)
+    Reference(elements=10)
+    """
+
+    elements: Count = 5
+    """number of elements on the half beam"""
+    laws: UserLaws | None = None
+    """laws in place of the device's own forces: a Python file, or functions by name"""
+    name: Literal["reference"] = "reference"
+    """the model"""
+
+
+Chosen = Auto | Cosines | Elements | Reference
+MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
+
+
+class ModelKind(Kind):
+    """A model: its name, a mapping of name and options, a record, or a solver of one's own."""
+
+    need = f"one of {', '.join(MODELS)}, what reference makes, or a solver of your own"
+    records = tuple(MODELS.values())
+    asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
+
+    def take(self, value: object) -> Chosen:
+        """Give the record of a value of Python."""
+        if isinstance(value, Chosen):
+            return value
+        if isinstance(value, Laws):
+            return Reference(laws=value)
+        if isinstance(value, Mapping):
+            return build(self._named(value, show), value)
+        if callable(value) and not isinstance(value, type):
+            return Reference(laws=compile_laws({"solver": value}))
+        if not isinstance(value, str) or value not in MODELS:
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return MODELS[value]()
+
+    def read(self, value: object) -> Chosen:
+        """Read a section of a config."""
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{describe(value)} is not {self.asks}")
+        wrong: tuple[str, ...] = ()
+        try:
+            made = self._named(value, describe)
+        except ValueError as error:  # the options are those of the model that has most of them
+            wrong = (str(error),)
+            made = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
+        try:
+            model = read_part(made, {**value, "name": made.name})
+        except Faults as faults:
+            wrong += faults.args
+        if wrong:
+            raise Faults(*wrong)
+        return model
+
+    def _named(self, value, say):
+        if "name" not in value:
+            raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
+        if value["name"] not in [*MODELS]:
+            raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
+        return MODELS[value["name"]]
+
+
+Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping | Callable, ModelKind()])
+
+
+def section_of(chosen: Chosen) -> dict[str, object]:
+    """Write the section of a config; laws by their file, with its hash, or by their names."""
+    options = {key: value for key, value in told(chosen).items() if key != "name"}
+    if chosen.laws:
+        options["laws"] = str(chosen.laws)
+        options |= {"sha256": chosen.laws.sha256} if chosen.laws.file else {}
+    return {"name": chosen.name} | options

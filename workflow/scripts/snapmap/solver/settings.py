@@ -1,7 +1,9 @@
 """Settings of the runs of a study."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Literal
+
+from ..values.quantities import Duration, Fraction, Threads, Truth
+from ..values.records import assemble, record
 
 UNTIL = ("settled", "snap")
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
@@ -17,36 +19,47 @@ THRESHOLD_TOLERANCE = 1e-4
 """Default relative width to which thresholds in N are refined."""
 
 
-class Settings(NamedTuple):
-    """Settings of runs.
+@record
+class Run:
+    """How each cell is followed.
 
-    horizon: time followed after the pulse's end, us
-    until: "settled" ends a run when it has settled in a well, "snap" also at its snap
-    repeat: whether each cell runs again with another step, to see if its outcome is reproduced
-    energy_tolerance: largest residual of the energy ledger of a believed run, over the pulse's
-        gross work
-    threads: number of threads, on which no result depends
-    start: one of STARTS
+    Examples
+    --------
+    >>> snapmap.Run(horizon="0.5 ms", until="snap").horizon
+    500.0
     """
 
-    horizon: float = 1500.0
-    until: str = "settled"
-    repeat: bool = True
-    energy_tolerance: float = 1e-3
-    threads: int = 1
-    start: str = FIRST
+    horizon: Duration = 1500.0
+    """time followed after the pulse's end"""
+    until: Literal["settled", "snap"] = "settled"
+    """a run ends when it has settled in a well; `snap`: or at its snap"""
+    repeat: Truth | None = None
+    """whether each cell runs again with another step, to see if its outcome is reproduced; by
+    default where `until` is `settled`"""
+    energy_tolerance: Fraction = 1e-3
+    """largest residual of the energy ledger of a believed run, over the pulse's gross work"""
+    start: Literal["first", "second"] = "first"
+    """shape in which the beam rests at first"""
+    threads: Threads = 1
+    """number of threads, which change no result"""
+
+    def __post_init__(self):
+        """Decide whether cells run again."""
+        if self.repeat is None:
+            object.__setattr__(self, "repeat", self.until == "settled")
 
     @property
     def question(self) -> str:
         """The one of QUESTIONS that the runs answer."""
         return QUESTION[self.until]
 
-    def without_threads(self) -> dict:
-        """Return the settings by name, without threads, and without a start in the first shape."""
-        usual = "threads", *(["start"] if self.start == FIRST else [])
-        return {key: value for key, value in self._asdict().items() if key not in usual}
+    def but(self, **values: object) -> "Run":
+        """Return the same with other values; `until` may be any word of QUESTION."""
+        return assemble(Run, {**vars(self), **values})
 
-
-def settings_of(values: Mapping) -> Settings:
-    """Make settings of values by name; by default only cells followed until settled repeat."""
-    return Settings(**{"repeat": values.get("until", "settled") == "settled", **values})
+    def section(self) -> dict:
+        """Return the section of a config, in a unique spelling, without threads."""
+        values = {key: value for key, value in vars(self).items() if key != "threads"}
+        if self.start == FIRST:
+            del values["start"]
+        return values | {"horizon": f"{self.horizon:.15g} us"}

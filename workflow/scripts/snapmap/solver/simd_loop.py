@@ -1,5 +1,6 @@
 """Calls of the SIMD kernels for the cells of a model."""
 
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
@@ -9,13 +10,15 @@ from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
 from ..beam.stress import stress_of
 from ..pulse.pulse import table
-from .cells import no_observations
+from .cells import Cells, no_observations
 from .kernel import rows as R
 from .kernel.lanes import Facts, Task, follow_all, load
+from .kernel.laws import CONTACT, FORCE, LaneLaws
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
-from .kernel.rows import LANES
+from .kernel.rows import LANES, Shape
 from .kernel.trace import follow_stress, keep_midpoints
-from .settings import FIRST, SECOND
+from .lane_laws import lane_laws, raise_error
+from .settings import FIRST, SECOND, Run
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
 """Factor of w, by which the midpoint of every run begins above its target."""
@@ -23,8 +26,8 @@ WINDOW = 64 * BLOCK
 """Steps whose midpoints are in memory at once."""
 
 
-def march(model, cells, dt, settings):
-    """Follow cells, (cells,), of a `Model`, as `Settings` say, in steps dt, us, (cells,).
+def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
+    """Follow cells, (cells,), of a `Model`, as `Run` say, in steps dt, us, (cells,).
 
     Returns `Facts`.
     """
@@ -45,7 +48,9 @@ def march(model, cells, dt, settings):
         tolerance=settings.energy_tolerance,
         facts=facts,
     )
-    follow_all(*empty_lanes(model), task)
+    lanes = empty_lanes(model)
+    follow_all(*lanes, task)
+    raise_error(model.laws, lanes[2])
     return facts
 
 
@@ -55,7 +60,9 @@ def _coefficients(model, start):
     return coefficients(model, model.snap_target(start), start)
 
 
-def largest_stress(model, cells, dt, steps, rows, start=FIRST):
+def largest_stress(
+    model, cells: Cells, dt: np.ndarray, steps: np.ndarray, rows: np.ndarray, start: str = FIRST
+) -> np.ndarray:
     """Follow up to LANES cells for the largest tensile stress, MPa, (cells,).
 
     dt: us, (cells,); steps: number of each cell, (cells,)
@@ -65,11 +72,15 @@ def largest_stress(model, cells, dt, steps, rows, start=FIRST):
     rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
     devices = coefficients(model, -np.inf, start)[cells.device]
     loads = *cells[1:5], steps
-    follow_stress(*empty_lanes(model), devices, dt, table(cells.pulses), loads, rows, largest)
+    lanes = empty_lanes(model)
+    follow_stress(*lanes, devices, dt, table(cells.pulses), loads, rows, largest)
+    raise_error(model.laws, lanes[2])
     return largest
 
 
-def midpoints(model, cells, dt, steps, start=FIRST):
+def midpoints(
+    model, cells: Cells, dt: np.ndarray, steps: int, start: str = FIRST
+) -> Iterator[tuple[int, np.ndarray]]:
     """Follow up to LANES cells; yield the first step of each WINDOW, and w(L/2) from rest in it.
 
     dt: us, (cells,); steps: number for all cells
@@ -83,10 +94,11 @@ def midpoints(model, cells, dt, steps, start=FIRST):
     for first in range(0, steps, WINDOW):
         w = np.empty((min(WINDOW, steps - first), LANES))
         keep_midpoints(*lanes, state, pulses, first, w)
+        raise_error(model.laws, lanes[2])
         yield first, w[:, : dt.size]
 
 
-def stress_rows(model):
+def stress_rows(model) -> np.ndarray:
     """Tabulate the stress of each device's beam, MPa, (devices, PLACES + 1, modes + 2).
 
     The first PLACES rows are bending stress per coordinate, per contact force, and at rest; in the
@@ -101,15 +113,15 @@ def stress_rows(model):
     return tables
 
 
-def coefficients(model, target, start=FIRST):
+def coefficients(model, target: np.ndarray | float, start: str = FIRST) -> np.ndarray:
     """Tabulate what `kernel.lanes.load` takes of each device: (devices, coefficients).
 
     A row has numbers in the order of the kernel's rows, up to SIDE, then the vectors from KAPPA on,
     and the modes at the start.
-    model: a `Model`; start: as in `Settings`; target: as `Model.snap_target`, or -inf for no snap
+    model: a `Model`; start: as in `Run`; target: as `Model.snap_target`, or -inf for no snap
     """
     device, modal, barrier = model.device, model.modal, model.barrier
-    side, n, k = SIDE[start], len(device), model.modes
+    side, n, k, tables = SIDE[start], len(device), model.modes, model.tables
     numbers = {
         R.AXIAL: modal.axial,
         R.RESIDUAL: modal.residual,
@@ -118,14 +130,23 @@ def coefficients(model, target, start=FIRST):
         R.K: device.spring,
         R.TARGET: target,
         R.BARRIER: barrier.energy,
+        R.BARRIER_APART: barrier.energy,
         R.SADDLE: side * barrier.midpoint,
         R.Z0: device.gap,
         R.ALPHA: device.beam.damping,
         R.STOP_TOWARD: device.stop_toward,
         R.STOP_AWAY: device.stop_away,
         R.RESTITUTION: device.restitution,
+        R.TABLE + CONTACT: 0,
+        R.TABLE + FORCE: 0,
+        R.REACH: 0,
         R.SIDE: side,
     }
+    if tables:
+        numbers[R.TABLE + CONTACT], numbers[R.TABLE + FORCE] = tables.contact, tables.force
+        numbers[R.REACH] = tables.reach
+        numbers[R.BARRIER] = np.where(tables.bounded, barrier.energy, -np.inf)
+        numbers[R.BARRIER_APART] = np.where(tables.bounded & tables.apart, barrier.energy, -np.inf)
     vectors = modal.stiffness, modal.slope_start, modal.load, modal.midpoint  # KAPPA, SQ0, F, E
     columns = [np.broadcast_to(numbers[row], n)[:, np.newaxis] for row in sorted(numbers)]
     columns += [np.reshape(vector, (n, k)) for vector in vectors]
@@ -133,7 +154,7 @@ def coefficients(model, target, start=FIRST):
     return np.concatenate(columns, axis=1)
 
 
-def in_lanes(follow, lengths, threads):
+def in_lanes(follow: Callable[[np.ndarray], None], lengths: np.ndarray, threads: int) -> None:
     """Call `follow` with indices of LANES cells at a time, in order of their lengths, (cells,)."""
     # Lanes run together until the longest ends: those of a call should be of equal length.
     order = np.argsort(lengths, kind="stable")
@@ -141,9 +162,12 @@ def in_lanes(follow, lengths, threads):
         list(pool.map(follow, np.split(order, range(LANES, order.size, LANES))))
 
 
-def empty_lanes(model):
-    """Make an empty work array, and the tuple whose length tells kernels the number of modes."""
+def empty_lanes(model) -> tuple[np.ndarray, Shape, LaneLaws | None]:
+    """Make the first arguments of kernels: an empty work array, a tuple of a length, and the laws.
+
+    The length of the tuple tells kernels the number of modes.
+    """
     padded = np.zeros((R.VECTORS + (R.S + model.modes) * model.modes) * LANES + 8)
     # Wide vector loads are fastest from the start of a cache line.
     X = padded[(-padded.ctypes.data // 8) % 8 :][: padded.size - 8]
-    return X, (0,) * model.modes
+    return X, (0,) * model.modes, lane_laws(model.laws, model.tables)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..beam.modal import ModalBeam, column, contact_stiffness
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..numerics.linalg import dot, eigenvalues, outer, solve
+from ..values.kinds import Number
 from .cells import Cells
 from .settings import EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
 
@@ -33,6 +34,8 @@ LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
 LONGEST_PRESSED = 2.5
 """Longest step for SNAP and EDGE if the mass is pressed on the beam, so that it cannot strike with
 a run-up, and its spring does not hold it back."""
+PRESSED_BY_LAW = 1.0
+"""LONGEST_PRESSED of a beam of one mode under a law, which is found by iteration in each step."""
 MOST, MOST_ALONE = 1100.0, 20_000.0
 """Most steps in each swing of a smooth pulse for SNAP and EDGE, as the beam follows a slow pulse
 from rest to rest. MOST_ALONE is for a beam that snaps without the mass."""
@@ -93,6 +96,8 @@ class Steps:
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
         step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
+        if not (np.any(speed) or np.any(self.own_tightening)):
+            return step
         own = self.own_tightening[cells.device] * shaken_speed(self.arch, cells)
         turn = step * np.sqrt(self.tightening[cells.device] * speed + own)
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
@@ -100,6 +105,12 @@ class Steps:
     def times(self, factor: float) -> "Steps":
         """Return the rule with every step multiplied by `factor`, or by MORE for short pulses."""
         return replace(self, factor=factor * self.factor)
+
+    def of_one_mode(self) -> "Steps":
+        """Return the rule for a beam of one mode under a law: no faster mode asks for less."""
+        pressed = np.minimum(self.pressed, PRESSED_BY_LAW / self.arch)
+        shortest = self.longest[EDGE]
+        return replace(self, shortest=shortest, pressed=pressed, most=np.inf * self.most)
 
     def pick(self, which: int | np.ndarray) -> "Steps":
         """Return the rule of a device of the batch, or of several."""
@@ -125,21 +136,21 @@ def fixed(dt: np.ndarray) -> Steps:
     )
 
 
-def spring_share(device: Device) -> Value:
+def spring_share(device: Device) -> Number:
     """Return, from 0 to 1, how far the spring holds the mass back, so that the beam snaps alone."""
     over = device.spring / (HOLDS * 192 * device.beam.stiffness_unit)
     cube = over * over * over
     return np.where(device.is_alone, 1.0, cube * cube / (1 + cube * cube))
 
 
-def most_steps(device: Device) -> Value:
+def most_steps(device: Device) -> Number:
     """Return the most steps that a swing of a smooth pulse needs, however slow it is."""
     beam, share = device.beam, spring_share(device)
     heavy = 1 + device.mass / (HEAVY * beam.mass_per_length * beam.span)
     return (1 - share) * MOST * np.sqrt(np.sqrt(heavy)) + share * MOST_ALONE
 
 
-def strike_tightening(mass: Value, modal: ModalBeam) -> Value:
+def strike_tightening(mass: Number, modal: ModalBeam) -> Number:
     """Return omega^2 / v of the fastest mode under the tension of a strike at speed v, 1/(um us).
 
     The tension T = axial Q is that of a beam whose stretch has taken the energy of the mass, ng,
@@ -157,7 +168,8 @@ def striking_speed(device: Device, cells: Cells, start: str) -> np.ndarray:
     """
     strikes = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
     thrown = np.atleast_1d(device.has_stops)[cells.device] & strikes
-    return np.where(thrown | (start != FIRST), largest_speed(device, cells), 0.0)
+    fast = thrown | (start != FIRST)
+    return np.where(fast, largest_speed(device, cells), 0.0) if fast.any() else np.zeros(fast.shape)
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:
@@ -204,7 +216,7 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     )
 
 
-def stability_limit(device: Device, modal: ModalBeam) -> Value:
+def stability_limit(device: Device, modal: ModalBeam) -> Number:
     """Return 2/omega_max, us, of the stiffest state that a run is expected to meet; docs/theory.md.
 
     The tangent stiffness there is kappa + T S + EA/L (S q)(S q)^T + contact, with q = TENSION_REACH
@@ -221,7 +233,7 @@ def stability_limit(device: Device, modal: ModalBeam) -> Value:
     return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 
-def arch_frequency(modal: ModalBeam) -> Value:
+def arch_frequency(modal: ModalBeam) -> Number:
     """Estimate omega of the arch, 1/us: omega^2 = kappa_1 + EA/L |S q0|^2."""
     arch = 2 * modal.axial * dot(modal.slope_start, modal.slope_start)
     return np.sqrt(modal.stiffness[..., 0] + arch)

@@ -1,159 +1,137 @@
-"""Types of the arguments and options that several public functions share, for their signatures.
+"""Kinds of the arguments that several public functions share."""
 
-Each type carries its `Argument`: words that say what would be right, the test whether a value fits,
-and its conversion, by which numbers of numpy or xarray become Python's. Values of the device, N, f0
-and C have units and ranges of `quantities.csv`.
-"""
-
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
-from typing import Annotated, TypedDict
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ..device.argument import Argument, Flag, integer, is_flag, is_list, number, of_type, row, word
 from ..device.device import VALUES, Device
-from ..device.quantities import QUANTITIES, Bounds, bounds_of
-from ..pulse.pulse import DIRECTIONS, SHAPES, Pulse
-from ..solver.laws import compile_laws
-from ..solver.options import OPTIONS, ModelOptions
-from ..solver.settings import FIRST, STARTS, UNTIL
-from .study import ANY, ARRIVES
+from ..files.text import show
+from ..pulse.shocks import Directions, Pulses
+from ..solver.settings import STARTS
+from ..values.faults import at_key
+from ..values.kinds import Fitting, Kind, Quantity, Several, Word, kind_of
+from ..values.quantities import Frequency, Positive, Truth
+from .axes import KIND_OF
+from .study import ANY, ARRIVES, DevicesKind, Study
 
 
-def _is_device(value):
-    if not isinstance(value, Device):
-        return False
-    parts = (value, value.beam)
-    return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
+class StudyKind(Kind):
+    """A study; a device, or several by name, are taken as a study of them."""
+
+    need = f"a Study, or {DevicesKind.need}"
+
+    def take(self, value: object) -> Study:
+        """Give the study."""
+        if isinstance(value, Study):
+            return value
+        if not isinstance(value, Device | Mapping):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return Study(DevicesKind().take(value))
 
 
-def _are_devices(value):
-    named = value.values() if isinstance(value, Mapping) and value else [value]
-    return all(map(_is_device, named))
+class SingleKind(StudyKind):
+    """A study of a single device, under a single shape and direction."""
+
+    need = "a Study of a single Device, or a Device; load_device reads one"
+
+    def take(self, value: object) -> Study:
+        """Give the study."""
+        study = super().take(value)
+        if isinstance(study.device, Mapping):
+            raise ValueError(f"{show(study.device)} is not {self.need}")
+        if len(study.shocks.pulses) > 1:
+            raise ValueError(".pulse: has several shapes or directions; write one of each")
+        return study
 
 
-def _is_model(value):
-    if isinstance(value, str):
-        return value in OPTIONS
-    return isinstance(value, Mapping) or callable(value)
+class AxesKind(Kind):
+    """Values of the device, or several, by name."""
+
+    need = 'a mapping of values of the device, such as {"thickness": [1.9, 2.0]}'
+
+    def take(self, value: object) -> dict[str, np.ndarray]:
+        """Give a row, (n,), by name."""
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        axes = {}
+        for key, row in value.items():
+            with at_key(key):
+                if key not in VALUES:
+                    near = get_close_matches(str(key), VALUES, 1)
+                    hint = f"; did you mean {near[0]}?" if near else ""
+                    raise ValueError(f"is not a value of the device that can vary{hint}")
+                axes[key] = Several(KIND_OF[key]).take(row)
+        return axes
 
 
-def _is_pulse(value):
-    if isinstance(value, str):
-        return value in SHAPES
-    return isinstance(value, Pulse) or (isinstance(value, Mapping | list | tuple) and bool(value))
+def pair_of(key: str, ends: object) -> tuple[float, float]:
+    """Convert low and high end of a value of the device, or of C; ValueError, in one line."""
+    row = Quantity.take(KIND_OF[key], ends)  # of C, too, whose kind is single
+    if np.shape(row) != (2,):
+        raise ValueError(f"{show(ends)} is not a pair of numbers, low and high")
+    return tuple(row.tolist())
 
 
-def _are_directions(value):
-    if isinstance(value, str):
-        return value in (*DIRECTIONS, "both")
-    named = is_list(value, lambda name: isinstance(name, str) and name in DIRECTIONS)
-    return named and 0 < len(value) == len({*value})
-
-
-def _is_requirement(value):
-    return (
-        isinstance(value, Mapping)
-        and _REQUIRED.keys() <= value.keys()
-        and all(kind.fits(value[key]) for key, kind in _REQUIRED.items())
-        and _START.fits(value.get("start", FIRST))
-    )
-
-
-def _model_of(value):
-    """Make a model of a user's own solver; others stay as they are."""
-    if callable(value):
-        return {"name": "reference", "laws": compile_laws({"solver": value})}
+def _take_name(value):
+    if not isinstance(value, str):
+        raise ValueError(f"{show(value)} is not text")
     return value
 
 
-def _requirement(value):
-    return {**value, **{key: kind.convert(value[key]) for key, kind in _REQUIRED.items()}}
+def _take_snaps(value):
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if not isinstance(value, str) or value not in (ANY, ARRIVES):
+        raise ValueError(f'{show(value)} is not True, False, "arrives" or "any"')
+    return value
 
 
-def _of(key: str) -> tuple[Bounds, str]:
-    return QUANTITIES[key].range, QUANTITIES[key].unit
+OF_REQUIREMENT = {
+    "name": Fitting("text", _take_name),
+    "N": kind_of(Positive),
+    "f0": kind_of(Frequency),
+    "snaps": Fitting("True, False, arrives or any", _take_snaps),
+    "pulse": kind_of(Pulses),
+    "direction": kind_of(Directions),
+    "start": Word(STARTS),
+    "survives": kind_of(Truth),
+}
+"""Kind of each value of a requirement."""
 
 
-_N = bounds_of("[0, inf)"), "multiples of g (direction -z pushes the other way)"
-Amplitudes = Annotated[float | Sequence[float], row(*_N, "[1000]")]
-Amplitude = Annotated[float, number(*_N, "1000")]
-Frequencies = Annotated[float | Sequence[float], row(*_of("f0"), "[1500]")]
-Frequency = Annotated[float, number(*_of("f0"), "1500")]
-Dampers = Annotated[float | Sequence[float], row(*_of("C"), "[25]")]
-Damper = Annotated[float, number(*_of("C"), "25")]
-Devices = Annotated[
-    Device | Mapping[str, Device],
-    Argument(
-        "a Device, or several by name, each value a number; load_device reads one", _are_devices
-    ),
-]
-SingleDevice = Annotated[
-    Device, Argument("a single Device, each value a number; load_device reads one", _is_device)
-]
-Model = Annotated[
-    str | Mapping | Callable,
-    Argument(
-        f"one of {', '.join(OPTIONS)}, or what reference makes, or a solver of your own",
-        _is_model,
-        _model_of,
-    ),
-]
-Horizon = Annotated[float, number("[0, inf)", "us", "1500")]
-EnergyTolerance = Annotated[float, number("(0, 1)", "", "1e-3")]
-Threads = Annotated[int, integer(1, 1024)]
-Until = Annotated[str, word(*UNTIL)]
-_START = word(*STARTS)
-Start = Annotated[str, _START]
-Seed = Annotated[int, integer(0, 2**32 - 1)]
-PulseSpec = Annotated[
-    str | Pulse | Mapping | Sequence,
-    Argument(f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes", _is_pulse),
-]
-Directions = Annotated[
-    str | Sequence[str], Argument("+z, -z, both, or a list of these", _are_directions)
-]
-Direction = Annotated[str, word(*DIRECTIONS)]
-Refinement = Annotated[float, number("[1e-9, 0.01]", "", "1e-4")]
-_TRIPS = Argument(
-    'True, False, "arrives" or "any"',
-    lambda value: is_flag(value) or (isinstance(value, str) and value in (ANY, ARRIVES)),
-    lambda value: value if isinstance(value, str) else bool(value),
-)
-_POSITIVE = number("(0, inf)")
-_REQUIRED = {"name": of_type("a name", str), "N": _POSITIVE, "f0": _POSITIVE, "snaps": _TRIPS}
-Requirements = Annotated[
-    Sequence[Mapping],
-    Argument(
-        'a list of mappings of name, N, f0 (Hz) and snaps (True, False, "arrives" or "any")',
-        lambda value: is_list(value, _is_requirement),
-        lambda value: [*map(_requirement, value)],
-    ),
-]
+class RequirementsKind(Kind):
+    """Required shocks, as mappings."""
+
+    need = 'a list of mappings of name, N, f0 (Hz) and snaps (True, False, "arrives" or "any")'
+
+    def take(self, value: object) -> list[dict]:
+        """Convert N, f0 and the words of each mapping."""
+        if not isinstance(value, list | tuple):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        taken = []
+        for place, item in enumerate(value):
+            with at_key(place):
+                taken.append(self._one(item))
+        return taken
+
+    def _one(self, item):
+        if not isinstance(item, Mapping) or not {"name", "N", "f0", "snaps"} <= item.keys():
+            raise ValueError(f"{show(item)} is not {self.need}")
+        for key in item:
+            if key not in OF_REQUIREMENT:
+                raise ValueError(f".{key}: unknown key; known are {', '.join(OF_REQUIREMENT)}")
+        taken = {}
+        for key, kind in OF_REQUIREMENT.items():
+            if key in item:
+                with at_key(key):
+                    taken[key] = kind.take(item[key])
+        return taken
 
 
-class RunOptions(ModelOptions, total=False):
-    """Options on how each cell is followed."""
-
-    horizon: Horizon
-    energy_tolerance: EnergyTolerance
-    threads: Threads
-
-
-class ThresholdOptions(RunOptions, total=False):
-    """Options on how each cell is followed, from which shape, and under which shocks."""
-
-    start: Start
-    pulse: PulseSpec
-    direction: Directions
-
-
-_OF_DEVICE = {key: Annotated[float | Sequence[float], row(*_of(key), "")] for key in VALUES}
-_Axes = TypedDict("_Axes", _OF_DEVICE, total=False)
-
-
-class AxisOptions(_Axes, total=False):
-    """Options: values of the device as axes; skip leaves out points without a second shape."""
-
-    skip: Flag
+AnyStudy = TypeAliasType("AnyStudy", Annotated[Study | Device | Mapping[str, Device], StudyKind()])
+SingleStudy = TypeAliasType("SingleStudy", Annotated[Study | Device, SingleKind()])
+Axes = TypeAliasType("Axes", Annotated[Mapping[str, float | str | Sequence], AxesKind()])
+Requirements = TypeAliasType("Requirements", Annotated[Sequence[Mapping], RequirementsKind()])

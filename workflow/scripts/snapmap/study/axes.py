@@ -5,17 +5,21 @@ devices by name. The order is the same everywhere: axes of the device as the stu
 pulse's shape and direction, C, f0, and N, along which thresholds are sought.
 """
 
+import csv
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ..device.device import OF_MASS, Device, batch, is_bistable
-from ..device.quantities import QUANTITIES
+from ..device.device import KINDS, OF_MASS, Device, batch, is_bistable
 from ..pulse.pulse import Pulse
 from ..pulse.shocks import HANDOUT_SHOCK, Shocks
 from ..solver.cells import Rows, to_rows
+from ..values.kinds import Quantity, kind_of
+from ..values.quantities import Amplitude, Damper, Frequency, PulseTime
+from ..values.units import SPELT
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
@@ -36,9 +40,18 @@ Units = Mapping[str, tuple[str, float]]
 MOST_DEVICES = 100_000
 """Most points on the axes of the device; more are taken for a slip."""
 
-COORDINATES = {
-    key: quantity.attributes for key, quantity in QUANTITIES.items() if quantity.long_name
-}
+_OF_SHOCK = {"C": Damper, "f0": Frequency, "N": Amplitude, DURATION: PulseTime}
+KIND_OF: dict[str, Quantity] = KINDS | {key: kind_of(hint) for key, hint in _OF_SHOCK.items()}
+"""Kind of the values on each axis of numbers, by name."""
+
+
+def _attributes(name, long_name):
+    units = {"units": SPELT[KIND_OF[name].unit].files} if name in KIND_OF else {}
+    return {"long_name": long_name} | units
+
+
+with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as _file:
+    COORDINATES = {row["name"]: _attributes(**row) for row in csv.DictReader(_file)}
 """CF attributes of each quantity that can be an axis, by name."""
 
 
@@ -139,9 +152,7 @@ def _vary(devices, point):
 def point_text(point: Mapping[str, float | str]) -> str:
     """Write the place of a point on its axes, with units, for messages."""
     return ", ".join(
-        f"{key} = {value}"
-        if key in NAMES
-        else f"{key} = {value:.6g} {QUANTITIES[key].unit}".rstrip()
+        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {KIND_OF[key].unit}".rstrip()
         for key, value in point.items()
     )
 

@@ -7,14 +7,13 @@ import platform
 import subprocess
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict
-from functools import cache, reduce
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .. import __version__
-from ..device.device import ALONE, REFERENCE, RESTITUTION, Device
-from ..device.quantities import QUANTITIES
+from ..device.device import ALONE, KINDS, Device
+from ..values.records import told
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
@@ -56,6 +55,7 @@ def provenance(document: Mapping) -> dict[str, str]:
     }
 
 
+@cache
 def _packages():
     """Give names and versions of those of PACKAGES that are installed."""
     installed = []
@@ -73,29 +73,25 @@ def device_sections(device: Device | Mapping[str, Device]) -> dict:
 
 
 def _section(device):
-    values = asdict(device)
-    section = {"beam": {}}
-    for name, value in {**values.pop("beam"), **values}.items():
-        quantity = QUANTITIES.get(name)
-        if quantity and quantity.key and value != quantity.left_out:
-            *path, key = quantity.key.split(".")
-            part = reduce(lambda part, key: part.setdefault(key, {}), path, section)
-            text = f"{float(value)!r} {quantity.unit}".strip()
-            part[key] = "hard" if value == math.inf else text
-    if device.beam.free:
-        section["beam"]["guide"] = "free"
-    if device.is_alone:
-        section = {"mass": "none"} | {key: section[key] for key in section if key not in ALONE}
+    beam = _written(told(device.beam))
+    values = told(device)
+    if device.temperature == device.reference_temperature:
+        del values["temperature"]
     if device.force:
-        del section["gravity"]
-    # Stops that are only an axis still bounce by the restitution of the device.
-    if not device.has_stops and device.restitution == RESTITUTION:
-        del section["stops"]
-    if len(section["thermal"]) == 1 and device.reference_temperature == REFERENCE:
-        del section["thermal"]
-    if [*section.get("strength", ())] == ["scale"]:
-        section["strength"] = section["strength"]["scale"]
-    return section
+        del values["gravity"]
+    left_out = ("beam", *(ALONE if device.is_alone else ()))
+    values = _written({key: value for key, value in values.items() if key not in left_out})
+    return {"beam": beam} | ({"mass": "none"} if device.is_alone else {}) | values
+
+
+def _written(values):
+    """Write values of a device as a config has them, with units."""
+    texts = {
+        key: "hard" if value == math.inf else f"{float(value)!r} {KINDS[key].unit}".strip()
+        for key, value in values.items()
+        if key in KINDS
+    }
+    return texts | ({"free": True} if values.get("free") else {})
 
 
 @cache

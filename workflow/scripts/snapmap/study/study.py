@@ -1,47 +1,97 @@
 """A study: devices under shocks, a model, and how each cell is followed."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import fields, replace
+from functools import cached_property
+from typing import Annotated
 
-from ..device.device import VALUES, Device
-from ..pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
-from ..solver.settings import FIRST, Settings, settings_of
+import numpy as np
+from typing_extensions import TypeAliasType
+
+from ..device.device import Device
+from ..files.text import show
+from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks
+from ..solver.options import Auto, Model, section_of
+from ..solver.settings import Run
+from ..values.kinds import Kind
+from ..values.quantities import Truth
+from ..values.records import record
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
-PUSH = ("pulse", "direction")
-"""Arguments of `make_shocks`."""
 ANY, ARRIVES = "any", "arrives"
 """Values of `snaps` of a required shock that may or may not snap the device, and of one under which
 the beam must arrive at its other shape, but need not stay there."""
 SNAPS = {False: 0, True: 1, ANY: 2, ARRIVES: 3}
 """Codes of `snaps` in datasets."""
-THRESHOLD_SETTINGS = ("horizon", "energy_tolerance", "start")
-"""Settings on which a threshold depends."""
+OF_THRESHOLDS = ("horizon", "energy_tolerance", "start")
+"""Values of a run on which a threshold depends."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+def _is_single(device):
+    """Tell whether a value is a device, and no batch of them."""
+    if not isinstance(device, Device):
+        return False
+    parts = (device, device.beam)
+    return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
+
+
+class DevicesKind(Kind):
+    """A device, or several by name."""
+
+    need = "a Device, or several by name; load_device reads one"
+
+    def take(self, value: object) -> Device | Mapping[str, Device]:
+        """Take a device, or a mapping of names to devices."""
+        named = value.values() if isinstance(value, Mapping) and value else [value]
+        if not all(map(_is_single, named)):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return value
+
+
+Devices = TypeAliasType("Devices", Annotated[Device | Mapping[str, Device], DevicesKind()])
+
+
+@record
 class Study:
-    """What every public function works on; a config makes it, or `study_of` from arguments.
+    """A device, or several, under a shock; what every function works on.
 
-    device: nominal device, or several by name, which are an axis
-    shocks: shapes and directions of the pulse; several are axes
-    model: name and options, as in the config
-    settings: how each cell is followed
-    skip: whether devices without a second stable shape are left out, and not refused
+    A Device alone is taken as a study of it.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> snapmap.Study(device, model="cosines", run={"horizon": "0.5 ms"}).run.horizon
+    500.0
     """
 
-    device: Device | Mapping[str, Device]
-    shocks: Shocks = HANDOUT_SHOCK
-    model: Mapping = field(default_factory=lambda: {"name": "auto"})
-    settings: Settings = field(default_factory=Settings)
-    skip: bool = False
+    device: Devices
+    """one device, or several by name, which are an axis"""
+    model: Model = Auto()
+    """how a cell is simulated: one of the models, or its name"""
+    pulse: Pulses = HANDOUT_SHOCK.pulse
+    """the shock: a shape, a Pulse, or a train or drop as in a config; several are an axis"""
+    direction: Directions = "+z"
+    """+z presses the mass on the beam; several, or both, are an axis"""
+    run: Run = Run()
+    """how each cell is followed"""
+    skip: Truth = False
+    """whether devices without a second stable shape are left out, not refused"""
 
     def __post_init__(self):
         """Raise ValueError if a shock shakes the frame where the device is pushed by a force."""
         for pulse in self.shocks.shapes.values():
             if pulse.is_of_frame:
                 self.require_frame(f"the shock {pulse.name!r}")
+
+    @cached_property
+    def shocks(self) -> Shocks:
+        """Pulse and direction."""
+        return Shocks(self.pulse, self.direction)
+
+    def under(self, shocks: Shocks) -> "Study":
+        """Give the study with other shocks."""
+        return replace(self, pulse=shocks.pulse, direction=shocks.direction)
 
     def devices(self) -> dict[str, Device]:
         """Give the devices by name; a single one is called `device`."""
@@ -53,71 +103,28 @@ class Study:
             raise ValueError(f"device.force: {what} shakes the frame; write gravity instead")
 
     def set_out(self, axes: Mapping[str, Sequence]) -> Grid:
-        """Make the grid of axes; ValueError, one line, for a point that cannot exist."""
-        return make_grid(self.device, axes, self.skip, self.shocks)
+        """Make the grid of axes; ValueError, one line, for a point that cannot exist.
+
+        axes: values by name, those of the device first; those that are None are left out, but f0
+            is then that of a shock with a duration of its own
+        """
+        if "f0" in axes and axes["f0"] is None:
+            axes = {**axes, "f0": self.shocks.own_frequency()}
+        points = {key: values for key, values in axes.items() if values is not None}
+        return make_grid(self.device, points, self.skip, self.shocks)
 
     def part(self, names: Mapping[str, Sequence[str]]) -> "Study":
         """Keep some names on the axes of devices, shapes and directions."""
         device = self.device
         if DEVICE in names:
             device = {name: device[name] for name in names[DEVICE]}
-        return replace(self, device=device, shocks=self.shocks.part(names))
+        return replace(self, device=device).under(self.shocks.part(names))
 
     def document(self, keys: Sequence[str] = ()) -> dict:
         """Give the sections of a config, but for the axes, in a unique spelling.
 
-        keys: names of the settings to include; all by default
+        keys: names of the values of the run to include; all by default
         """
-        settings = self.settings.without_threads()
-        settings |= {"horizon": f"{settings['horizon']:.15g} us"}
-        sections = device_sections(self.device) | self.shocks.section()
-        sweep = {key: settings[key] for key in keys or settings if key in settings}
-        return sections | {"model": dict(self.model), "sweep": sweep}
-
-
-def study_of(
-    device: Device | Mapping[str, Device], model: str | Mapping, options: Mapping, **shock
-) -> tuple[Study, dict[str, Sequence]]:
-    """Make a study, and its axes by name, of a function's arguments; raises ValueError, one line.
-
-    model: name, or a mapping as in the config
-    options: fields of `Settings`; pulse and direction, as `make_shocks` takes them; skip; values of
-        the device, which are axes; and options of the model
-    shock: values of C, f0 and N; f0 = None means that of a recorded shock, others are left out
-    """
-    options = dict(options)
-
-    def take(names):
-        return {key: options.pop(key) for key in [*options] if key in names}
-
-    shocks, settings = make_shocks(**take(PUSH)), settings_of(take(Settings._fields))
-    skip, axes = options.pop("skip", False), take(VALUES)
-    if "f0" in shock and shock["f0"] is None:
-        shock["f0"] = shocks.own_frequency()
-    axes |= {key: values for key, values in shock.items() if values is not None}
-    model = ({"name": model} if isinstance(model, str) else dict(model)) | options
-    return Study(device=device, shocks=shocks, model=model, settings=settings, skip=skip), axes
-
-
-def of_requirement(study: Study, required: Mapping) -> Study:
-    """Give the study of a requirement's own shock and start, by default the first shape."""
-    settings = study.settings._replace(start=required.get("start", FIRST))
-    return replace(study, shocks=required.get("shocks", study.shocks), settings=settings)
-
-
-def with_shocks(requirement: Mapping, shocks: Shocks) -> dict:
-    """Add `shocks` to a requirement, by its pulse and direction, or else those of the study.
-
-    Raises ValueError, one line, if the requirement needs the pulse of a study whose pulse sets its
-    own duration.
-    """
-    if "shocks" in requirement:
-        return dict(requirement)
-    push = {"pulse": shocks.pulse, "direction": shocks.direction}
-    if "pulse" not in requirement and any(pulse.duration for pulse in shocks.shapes.values()):
-        raise ValueError(
-            f"requirements: {requirement['name']}: pulse: missing, as the study's pulse sets its "
-            "own duration; write a shape such as 'half sine'"
-        )
-    push |= {key: requirement[key] for key in PUSH if key in requirement}
-    return requirement | {"shocks": make_shocks(**push)}
+        run, sections = self.run.section(), device_sections(self.device) | self.shocks.section()
+        run = {key: run[key] for key in keys or run if key in run}
+        return sections | {"model": section_of(self.model), "run": run}

@@ -2,14 +2,30 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypeAliasType
 
+from ..files.text import show
+from ..values.kinds import Fitting
 from .axes import COORDINATES
 from .provenance import provenance
 
+
+def _take_flags(value):
+    if not isinstance(value, xr.DataArray) or "flag_meanings" not in value.attrs:
+        raise ValueError(
+            f"{show(value)} is not a variable with flag_meanings, such as cube.outcome"
+        )
+    return value
+
+
+_FLAGS = Fitting("a variable with flag_meanings, such as cube.outcome", _take_flags)
+FlagVariable = TypeAliasType("FlagVariable", Annotated[xr.DataArray, _FLAGS])
 _HERE = Path(__file__)
 TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]
 """Tables of the core, and of each application in its folder."""
@@ -22,7 +38,7 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     Attributes that a variable has already are kept.
     """
     about = variables(product)
-    head = about.pop("")
+    head = about[""]
     for key, variable in dataset.variables.items():
         variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
     return dataset.assign_attrs(
@@ -34,7 +50,8 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     )
 
 
-def variables(product: str) -> dict[str, dict]:
+@cache
+def variables(product: str) -> Mapping[str, dict]:
     """Read the CF attributes of a product's variables, by name; title and summary are under ""."""
     rows = []
     for path in TABLES:
@@ -46,6 +63,37 @@ def variables(product: str) -> dict[str, dict]:
 def flags(words: Sequence[str]) -> dict:
     """Make the CF attributes of a variable that is an index into words."""
     return {"flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": " ".join(words)}
+
+
+def words(variable: FlagVariable) -> xr.DataArray:
+    """Give the words of a variable that holds codes, such as the `outcome` of a cube.
+
+    Parameters
+    ----------
+    variable
+        DataArray of codes with the attribute `flag_meanings`; a lazy one stays lazy.
+
+    Returns
+    -------
+    DataArray
+        A word for each code.
+
+    Raises
+    ------
+    ValueError
+        One line, for a variable without words.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25)
+    >>> (snapmap.words(cube.outcome) == "snapped").values.ravel().tolist()
+    [False, True]
+    """
+    names = np.array(variable.attrs["flag_meanings"].split())
+    lazy = {"dask": "parallelized", "output_dtypes": [names.dtype]}
+    return xr.apply_ufunc(lambda codes: names[codes.astype(int)], variable, **lazy)
 
 
 def _attributes(flag_meanings, **texts):

@@ -8,11 +8,10 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from ..device.argument import ExistingPath
 from ..files.atomic import is_whole
-from ..solver.outcome import OUTCOMES
 from ..study.axes import NAMES
-from .cube import as_cube, outcome_names, require_cube, with_summary
+from ..values.paths import ExistingPath
+from .cube import as_cube, require_codes, require_cube, with_summary
 from .slabs import REMEDY, open_slab
 
 BLOCK_CELLS = 10**6
@@ -94,10 +93,25 @@ def open_slabs(paths: Sequence[str | Path], code: str | None = None) -> xr.Datas
 
 
 def open_cube(path: ExistingPath) -> xr.Dataset:
-    """Open a cube, with outcomes as words in `outcome` and as numbers in `outcome_code`.
+    """Open a cube of a study.
 
-    path: a file, or a folder of slabs, which dask reads lazily, a block for each slab
+    Parameters
+    ----------
+    path
+        A file, or a folder of slabs, which dask reads lazily, a block for each slab.
 
+    Returns
+    -------
+    Dataset
+        The cube, as `sweep` returns it; `words` gives the words of `outcome`.
+
+    Raises
+    ------
+    ValueError
+        One line with the path, for a file that is damaged or no cube.
+
+    Examples
+    --------
     >>> snapmap.open_cube("config/config.yaml")
     Traceback (most recent call last):
     ValueError: config/config.yaml: is not a cube; open one such as results/cube.nc
@@ -118,7 +132,6 @@ def open_cube(path: ExistingPath) -> xr.Dataset:
                 raise ValueError(f"{path}: cannot be locked; {remedy}") from None
         raise ValueError(f"{path}: is not a cube; open one such as results/cube.nc") from None
     codes = require_cube(cube, str(path))
-    lazy = {"dask": "parallelized", "output_dtypes": [np.array(OUTCOMES).dtype]}
-    words = xr.apply_ufunc(outcome_names, codes, kwargs={"name": str(path)}, **lazy)
-    words.attrs = {"long_name": codes.attrs["long_name"]}
-    return cube.assign(outcome=words, outcome_code=codes)
+    if codes.chunks is None:
+        require_codes(codes.values, str(path))
+    return cube

@@ -4,20 +4,18 @@ import json
 import math
 from collections import Counter
 from collections.abc import Mapping
-from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from ..device.argument import Flag
-from ..solver.adaptive import TOLERANCE, choose_model
-from ..solver.options import AutoOptions
+from ..solver.adaptive import choose_model
+from ..solver.options import TOLERANCE
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
-from ..study import arguments
+from ..study.arguments import AnyStudy, Axes
 from ..study.axes import NAMES, rows_of
-from ..study.study import study_of
 from ..study.variables import dress, flags, variables
-from .grid import follow_rows
+from ..values.quantities import Amplitudes, Dampers, Frequencies
+from .grid import Observers, follow_rows
 
 LABEL_DISTANCE = 0.01
 """Relative distance from a well-posed threshold within which labels may be wrong, with three
@@ -30,13 +28,6 @@ SHOWN_CELLS = 40_000
 """Most cells on the page, and for the largest stress; a larger cube is thinned."""
 MOST_CELLS = 10**8
 """Most cells of one call of `sweep`; those of a config go to files, slab by slab."""
-
-
-class SweepOptions(arguments.ThresholdOptions, AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `sweep`."""
-
-    until: arguments.Until
-    repeat: Flag
 
 
 def thin(cube: xr.Dataset) -> xr.Dataset:
@@ -52,35 +43,58 @@ def thin(cube: xr.Dataset) -> xr.Dataset:
 
 
 def sweep(
-    device: arguments.Devices,
-    N: arguments.Amplitudes,
-    f0: arguments.Frequencies | None,
-    C: arguments.Dampers,
-    model: arguments.Model = "auto",
-    **options: Unpack[SweepOptions],
+    study: AnyStudy,
+    N: Amplitudes,
+    f0: Frequencies | None,
+    C: Dampers,
+    *,
+    axes: Axes | None = None,
+    observers: Observers = (),
 ) -> xr.Dataset:
-    """Simulate every cell of a grid and return the cube.
+    """Simulate every cell of a grid.
 
-    options: horizon, energy_tolerance, threads, start, until, repeat, pulse, direction, skip,
-        device axes, model options
+    Parameters
+    ----------
+    study
+        Devices, model, shocks, and how each cell is followed; or a Device.
+    N
+        Amplitudes of the shock, multiples of g, each once.
+    f0
+        Frequencies of the pulse, Hz, each once; None for a recorded shock.
+    C
+        Dampings of the mass, uN us/um, each once.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        The cube: `outcome`, `t_snap` and further variables over (..., C, f0, N), as the page of the
+        functions lists them.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on a device without a second stable shape.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = {"model": "cosines", "until": "snap", "thickness": [1.9, 2.0]}
-    >>> cube = snapmap.sweep(device, [800, 1100], [1500], [25], **study)
+    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25, axes={"thickness": [1.9, 2.0]})
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    observers = options.pop("observers", ())
-    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
-    cells = math.prod(map(np.size, axes.values()))
+    axes = {**(axes or {}), "C": C, "f0": f0, "N": N}
+    cells = math.prod(np.size(values) for values in axes.values() if values is not None)
     if cells > MOST_CELLS:
         raise ValueError(
             f"N: {cells:.3g} cells with f0, C and all axes, more than {MOST_CELLS:.0e}; write "
             "fewer, or a config"
         )
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.settings.start)
-    values = follow_rows(built, rows_of(grid), grid.axes["N"], study.settings, observers)
+    built = choose_model(grid.device, study.model, study.run.start)
+    values = follow_rows(built, rows_of(grid), grid.axes["N"], study.run, observers)
     values = {key: column.reshape(grid.shape) for key, column in values.items()}
     return with_summary(as_cube(grid.axes, values, study.document()))
 
@@ -95,7 +109,7 @@ def as_cube(axes: Mapping[str, np.ndarray], values: Mapping, document: Mapping) 
 
 def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     """Give the codes of a cube's outcomes; ValueError, one line with `name`, if it is no cube."""
-    codes = cube.get("outcome_code", cube.get("outcome"))
+    codes = cube.get("outcome")
     if codes is None or codes.dtype.kind not in "iuf":
         raise ValueError(f"{name}: is not a cube, as it has no codes of outcomes")
     if missing := {"long_name", "flag_meanings"} - codes.attrs.keys():
@@ -112,12 +126,11 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     return codes
 
 
-def outcome_names(codes: np.ndarray, name: str = "cube") -> np.ndarray:
-    """Give the name of each outcome by its code; ValueError, one line with `name`, for others."""
+def require_codes(codes: np.ndarray, name: str = "cube") -> None:
+    """Raise ValueError, one line with `name`, if a code is that of no outcome."""
     if wrong := sorted({*np.unique(codes).tolist()} - {*range(len(OUTCOMES))}):
         last = len(OUTCOMES) - 1
         raise ValueError(f"{name}: {wrong[0]} is not a code of an outcome; codes are 0 to {last}")
-    return np.array(OUTCOMES)[codes.astype(int)]
 
 
 def label_distance(model: Mapping) -> float | None:

@@ -8,7 +8,7 @@ from ..pulse.pulse import blow_at
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, label, t_snap_error, work_error
-from ..solver.settings import FIRST, Settings
+from ..solver.settings import FIRST, Run
 
 Observers = Sequence[Callable]
 """Functions of model, cells, observations and settings that give further variables by name."""
@@ -21,7 +21,7 @@ ABSENCE = {
 
 
 def follow_rows(
-    model: Follows, rows: Rows, N: Sequence[float], settings: Settings, observers: Observers = ()
+    model: Follows, rows: Rows, N: Sequence[float], settings: Run, observers: Observers = ()
 ) -> dict[str, np.ndarray]:
     """Follow rows of cells through all N; returns the variables of a cube by name, (rows, N)."""
     exists, N = rows.device >= 0, np.asarray(N)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
+from ..solver.options import section_of
 from ..solver.outcome import count
 from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
 from ..study.study import Study
@@ -35,10 +36,10 @@ def cells_in(slab: Slab) -> int:
 def slab_name(study: Study, slab: Slab) -> str:
     """Name a slab by two hashes: of what slabs with shared cells agree in, and of other axes."""
     single = {key: slab[key] for key in SINGLE if key in slab}
-    part, settings = study.part(slab), study.settings.without_threads()
+    part = study.part(slab)
     nominal = [asdict(device) for device in part.devices().values()]
     pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
-    common = [nominal, study.model, settings, pulses, list(slab), single]
+    common = [nominal, section_of(study.model), study.run.section(), pulses, list(slab), single]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
     texts = plain, f"[{others}]"
@@ -58,7 +59,7 @@ def write_slab(
     Cells that other slabs in the same folder hold are copied from there.
     code: hash of the code on which numbers depend; only slabs of the same code are used
     """
-    variables, known = recall(path, slab, code, same_N=study.model["name"] == "auto")
+    variables, known = recall(path, slab, code, same_N=study.model.name == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
     _follow_unknown(grid, study, observers, variables, known)
     with replacing(path) as temporary:
@@ -133,13 +134,13 @@ def _follow_unknown(grid, study, observers, variables, known):
     """Follow unknown cells, rows with the same gaps at once, and put them into the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, study.model, study.settings.start)
+    built = choose_model(grid.device, study.model, study.run.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)
     for number in np.flatnonzero(patterns.any(axis=1)):
         alike, pattern = np.flatnonzero(pattern_of.ravel() == number), patterns[number]
-        followed = follow_rows(built, rows.take(alike), N[pattern], study.settings, observers)
+        followed = follow_rows(built, rows.take(alike), N[pattern], study.run, observers)
         for key, values in followed.items():
             all_rows = variables.setdefault(key, np.empty(known.shape, values.dtype))
             all_rows.reshape(-1, N.size)[np.ix_(alike, pattern)] = values

@@ -13,18 +13,21 @@ import numpy as np
 from ..device.device import VALUES, Device, is_bistable
 from ..device.device import batch as batch_of
 from ..device.samples import SHOCK_FACTORS, nominal_value
-from ..solver.adaptive import TOLERANCE, Adaptive, choose_model, choose_survey
+from ..solver.adaptive import Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
 from ..solver.models import Follows
 from ..solver.motion import largest_stress
+from ..solver.options import Chosen
 from ..solver.outcome import LATCHED, label, side_at_end
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
-from ..study.study import ANY, Study, of_requirement
+from ..solver.settings import Run
+from ..study.shock import Shock
+from ..study.study import ANY, Study
+from .bars import distance
 from .cost import tell_cost
+from .probe import Probe, refine
 from .regression import nominal_thresholds, thresholds_of_samples
-from .search import asker, refine
-from .surface import find_thresholds
-from .survey import distance
+from .search import Search
+from .verified import find_thresholds
 
 MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
@@ -92,7 +95,7 @@ class Batch:
         return self.choices[-1]._replace(step=1.0).of(self.models)
 
     def thresholds(
-        self, rows: Rows, settings: Settings, tolerance: float, chosen: bool = False
+        self, rows: Rows, settings: Run, tolerance: float, chosen: bool = False
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Find thresholds of the samples, (samples, rows), and of the nominal device, (rows,).
 
@@ -106,35 +109,35 @@ class Batch:
             which, part = choice.rows, rows.take(choice.rows)
             if not which.any():
                 continue
-            N = nominal_thresholds(choice.of(self.nominal), part, settings, tolerance / 10)
+            N = nominal_thresholds(Probe(choice.of(self.nominal), part, settings), tolerance / 10)
             nominal[which] = N
             if self.size:
-                samples = choice.of(self.models), self._rows(part), self.deviations, N
-                levels, ragged[which] = thresholds_of_samples(*samples, settings, tolerance)
+                probe = Probe(choice.of(self.models), self._rows(part), settings)
+                levels, ragged[which] = thresholds_of_samples(probe, self.deviations, N, tolerance)
                 scaled = levels / self.factors["N"][:, np.newaxis]
                 N_first[np.ix_(self.bistable, which)] = scaled
         return N_first, nominal, ragged
 
-    def meets(self, required: Mapping, rows: Rows, settings: Settings) -> np.ndarray:
+    def meets(self, required: Shock, rows: Rows, settings: Run) -> np.ndarray:
         """Tell whether each sample meets a requirement in each row, (samples, rows).
 
         A sample that must trip is followed to the end, to see whether it stays.
         """
-        if required["snaps"] == ANY:
+        if required.snaps == ANY:
             return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
         snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
         if self.size:
-            levels = np.repeat(required["N"] * self.factors["N"], rows.f0.size)[:, np.newaxis]
+            levels = np.repeat(required.N * self.factors["N"], rows.f0.size)[:, np.newaxis]
             every = self._rows(rows)
-            met = np.isfinite(asker(self.model, every, settings)(levels))
-            if required["snaps"] is True:
+            met = Probe(self.model, every, settings).snaps(levels)
+            if required.snaps is True:
                 cells = every.cells(self.model.device, levels, settings.horizon)
-                runs = self.model.follow(cells.take(met), settings._replace(until="settled"))
+                runs = self.model.follow(cells.take(met), settings.but(until="settled"))
                 met[met] = side_at_end(runs, settings.energy_tolerance) == 2
             snaps[self.bistable] = met.reshape(self.size, -1)
-        return (snaps == bool(required["snaps"])) & self.bistable[:, np.newaxis]
+        return (snaps == bool(required.snaps)) & self.bistable[:, np.newaxis]
 
-    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Settings) -> np.ndarray:
+    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Run) -> np.ndarray:
         """Count how many of the first samples latch, (rows, N)."""
         count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
         for i in range(np.count_nonzero(self.bistable[:samples])):
@@ -145,20 +148,17 @@ class Batch:
             count += label(*runs[:4], settings.energy_tolerance) == LATCHED
         return count
 
-    def stresses(self, study: Study, requirements: Sequence[Mapping], C: np.ndarray) -> np.ndarray:
-        """Find the largest stress, MPa, in the first bistable samples, (requirements, samples, C).
-
-        requirements: each has shocks, N and f0 (Hz)
-        """
+    def stresses(self, study: Study, requirements: Sequence[Shock], C: np.ndarray) -> np.ndarray:
+        """Find the largest stress, MPa, in the first bistable samples, (shocks, samples, C)."""
         size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
         device, stress = self.model.device.pick(np.arange(size)), []
         N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
         for required in requirements:
-            part = of_requirement(study, required)
-            rows = self._rows(to_rows(0, required["f0"], C, 0, required["shocks"].pulses))
-            rows = rows.take(slice(N.size))
-            cells = rows.cells(device, required["N"] * N, part.settings.horizon).flat()
-            largest = largest_stress(device, part.model, cells, part.settings)
+            part = required.shaken(study)
+            rows = to_rows(0, required.f0, C, 0, required.shocks.pulses)
+            rows = self._rows(rows).take(slice(N.size))
+            cells = rows.cells(device, required.N * N, part.run.horizon).flat()
+            largest = largest_stress(device, part.model, cells, part.run)
             stress.append(largest.reshape(size, len(C)))
         return np.array(stress)
 
@@ -173,20 +173,20 @@ class Batch:
         )
 
 
-def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings) -> list[Choice]:
-    """Choose the models that decide the thresholds of rows; model: name and options.
+def choose_levels(device: Device, model: Chosen, rows: Rows, settings: Run) -> list[Choice]:
+    """Choose the models that decide the thresholds of rows.
 
     With `auto`, each row takes the first of LADDER that agrees, within the tolerance of `auto`,
     with the finest model on the threshold of the nominal device. The ladder ends when MOST_ROWS
     have a model; its last one takes all other rows, too.
     """
     left = np.ones(rows.f0.size, bool)
-    if model["name"] != "auto":
+    if model.name != "auto":
         return [Choice(left)]
     auto = choose_model(batch_of([device]), model, settings.start)
-    accepted = model.get("tolerance", TOLERANCE)
-    rough = nominal_thresholds(auto.base.with_step(4.0), rows, settings, accepted)
-    finest, same = (asker(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
+    accepted = model.tolerance
+    rough = nominal_thresholds(Probe(auto.base.with_step(4.0), rows, settings), accepted)
+    finest, same = (Probe(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     reach = distance(finest, rough, accepted)
     reach[np.isinf(reach)] = np.nan
     exact = refine(finest, rough - reach, rough + reach, accepted / 10)[1]
@@ -195,7 +195,7 @@ def choose_levels(device: Device, model: Mapping, rows: Rows, settings: Settings
     def within(share, level, which):
         """Tell whether rows of a level change their label within a share of the exact threshold."""
         N = np.multiply.outer(exact[which], [1 - share, 1 + share])
-        below, above = np.isfinite(asker(level, rows.take(which), settings)(N)).T
+        below, above = Probe(level, rows.take(which), settings).snaps(N).T
         return ~below & above
 
     choices = []
@@ -231,11 +231,12 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[exists] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model, study.settings.start)
+        models = choose_survey(devices, study.model, study.run.start)
+        search = Search(models, rows, study.run)
         numbers = np.full(size, -1)
         numbers[exists] = places
         parts = [(numbers.reshape(-1, *(x.size for x in axes)), axes)] if axes else []
-        tell_cost(models, rows, study.settings)
-        columns = find_thresholds(models, rows, parts, study.settings, THRESHOLD_TOLERANCE)
+        tell_cost(search)
+        columns = find_thresholds(search, parts)
         thresholds[:, exists] = columns["N_first"], columns["N_error"]
     return *thresholds, exists

@@ -4,11 +4,9 @@ import numpy as np
 
 from ..beam.limit_loads import static_threshold
 from ..solver.bounds import least_amplitudes
-from ..solver.cells import Rows
-from ..solver.models import Follows
-from ..solver.settings import SECOND, Settings
-from .search import SCAN_STEP, TOGETHER, amplitudes, asker, first_snap, near, refine, walk
-from .survey import ISLAND_STEP, ISLANDS_FROM, first_seen, scan_range
+from ..solver.settings import SECOND
+from .probe import TOGETHER, Probe, amplitudes, first_snap, near, refine, walk
+from .search import ISLAND_STEP, ISLANDS_FROM, scan_upwards
 
 FIRST_SAMPLES, GROWTH = 64, 8
 """Size of the first block of samples, and of each further block over all before it."""
@@ -20,33 +18,25 @@ NOMINAL_REACH = 30.0
 """Factor on the nominal threshold, up and down, within which a sample's threshold is sought."""
 
 
-def nominal_thresholds(
-    model: Follows, rows: Rows, settings: Settings, tolerance: float
-) -> np.ndarray:
+def nominal_thresholds(probe: Probe, tolerance: float) -> np.ndarray:
     """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none."""
-    ask = asker(model, rows, settings)
-    start, bound = settings.start, least_amplitudes(model, rows, settings.start)
-    static = static_threshold(model.device, back=start == SECOND)
-    N = amplitudes(*scan_range(model.device, static, rows, bound, start), SCAN_STEP)
-    rough, _ = first_seen(ask, N, bound)
+    start = probe.settings.start
+    bound = least_amplitudes(probe.model, probe.rows, start)
+    static = static_threshold(probe.model.device, back=start == SECOND)
+    rough, *_ = scan_upwards(probe, static, bound)
     N = amplitudes(ISLANDS_FROM * rough, rough, ISLAND_STEP)
-    begins = np.isfinite(ask(N))
+    begins = probe.snaps(N)
     begins[:, 1:] &= ~begins[:, :-1]
     begins[:, 0] = False
-    return refine(ask, *first_snap(N, begins), tolerance)[1]
+    return refine(probe, *first_snap(N, begins), tolerance)[1]
 
 
 def thresholds_of_samples(
-    model: Follows,
-    rows: Rows,
-    deviations: np.ndarray,
-    nominal: np.ndarray,
-    settings: Settings,
-    tolerance: float,
+    probe: Probe, deviations: np.ndarray, nominal: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the lowest N that snaps in each sample's rows, (samples, rows), and the ragged rows.
 
-    rows: of all samples, raveled from (samples, rows)
+    probe: of the rows of all samples, raveled from (samples, rows)
     deviations: of scattered values from their nominal ones, (samples, values)
     nominal: thresholds of the nominal device, multiples of g, (rows,)
     A threshold is the upper end of a relative step of `tolerance`. It is NaN where nothing snaps,
@@ -69,7 +59,7 @@ def thresholds_of_samples(
     def snaps(numbers, places):
         """Tell whether rows, by number (n,), snap at places of the lattice; no beyond its end."""
         N = lattice[np.minimum(places, size)]
-        return np.isfinite(asker(model, rows.take(numbers), settings)(N))
+        return probe.take(numbers).snaps(N)
 
     def place(N, shape):
         """Find the first place of the lattice that is not below N."""
@@ -107,7 +97,7 @@ def _from_below(snaps, numbers, start, size, step):
         start[left] = np.maximum(start[left] - TOGETHER * step, 0)
     inside = np.flatnonzero((first > start) & (first < size))
     low, high = first[inside] - step, first[inside]
-    first[inside] = near(snaps, numbers[inside], (low + high) // 2 + 1, size, low, high)
+    first[inside] = near(snaps, numbers[inside], (low + high) // 2 + 1, size, (low, high))
     return first
 
 

@@ -1,360 +1,323 @@
-"""Changes of label along N: any model scans for them, seeks them near a guess, or refines them."""
+"""The search for where rows begin to snap, and where their labels change.
+
+It has five steps:
+1. The cheap model scans N upwards until a cell snaps (`scan_upwards`).
+2. It scans a window about this N for islands (`scan_for_islands`).
+3. The deciding model locates a single change of label, and refines it (`locate_change`).
+4. It looks closely beside that change where the device rings (`look_closely`). Rows in which any
+   step saw more changes are ragged, and are scanned around all of them (`ragged.scan_ragged`).
+5. Other time steps and models make the error bar (`bars.make_bars`).
+"""
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from ..device.device import Device
+from ..solver.adaptive import Survey
+from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
 from ..solver.models import Follows
-from ..solver.settings import THRESHOLD_TOLERANCE, Settings
+from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
+from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
+from .probe import SCAN_STEP, TOGETHER, Probe, amplitudes, first_snap, refine
+from .ragged import CLEAN_REACH, RAGGED_REACH, RAGGED_STEP, scan_ragged
 
-SCAN_STEP = 0.03
-"""Relative step of the amplitudes in a first scan."""
-PARTS = 4
-"""Number of parts into which each round of a search cuts an interval; more parts cost more runs."""
-TOGETHER, AT_ONCE = 8, 256
-"""Most places of one row, and of all rows, that `walk` tries at once."""
-EXPECTED_WITHIN = 0.004
-"""Relative distance from an expected threshold within which it is sought."""
-
-Ask = Callable[[np.ndarray], np.ndarray]
-"""A function from N to t_snap, us, both (rows, n); NaN where a cell does not snap or N is NaN, -inf
-where no run of a cell can be believed."""
-Label = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""A function from numbers of rows, (n,), and places on a grid, (n, m), to bools, (n, m)."""
-
-
-class Approach(NamedTuple):
-    """How near cells come to a snap: t_snap, us, as `Ask` gives it, and the lowest w(L/2), um."""
-
-    t_snap: np.ndarray
-    lowest: np.ndarray
+ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
+"""Ends of the window that is scanned for islands, as multiples of the first N that snaps."""
+ISLAND_STEP, CLOSE_STEP = 0.005, 0.00025
+"""Relative steps of N: in the scan for islands, and close to a threshold."""
+RINGING = 0.25
+"""Least time of a device's response, over that of the pulse's steepest rise, with which the device
+rings after the pulse; islands then lie close to its threshold."""
+FAST_PULSE = 0.7
+"""Least frequency of a pulse, over the device's own, at which the finer models take its rows."""
+CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
+"""Distances from a threshold at which runs are compared, in CLOSE_STEP; the last is CLEAN_REACH."""
+STEP_RATIO = math.sqrt(2.0)
+"""Factor on the deciding time step, of the runs that show its error: as that is of second order,
+it doubles, and the difference is the error itself."""
+SLACK = 0.99
+"""Share of the bound by energy at which scans may begin, as a model may itself be off."""
 
 
-class Edges(NamedTuple):
-    """Changes of label along N, each between two amplitudes; all (edges,).
+class Search(NamedTuple):
+    """The search for the thresholds of rows, to a relative tolerance.
 
-    row: number of the row; low, high: multiples of g; rising: whether the cell at high snaps
+    highest: largest N at which islands count, multiples of g; by default ISLANDS_TO times the
+        threshold
+    from_bound: whether islands count from the bound by energy on, not from ISLANDS_FROM times the
+        threshold on
     """
 
-    row: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    rising: np.ndarray
+    models: Survey
+    rows: Rows
+    settings: Run
+    tolerance: float = THRESHOLD_TOLERANCE
+    highest: float | None = None
+    from_bound: bool = False
 
-    def take(self, which: np.ndarray) -> "Edges":
-        """Take some edges, by a mask or indices."""
-        return Edges(*(column[which] for column in self))
+    def take(self, which: np.ndarray | slice) -> "Search":
+        """Take some rows, by a mask, indices or a slice."""
+        return self._replace(rows=self.rows.take(which))
 
-
-def joined(*edges: Edges) -> Edges:
-    """Join several groups of edges into one."""
-    return Edges(*map(np.concatenate, zip(*edges, strict=True)))
-
-
-class Window(NamedTuple):
-    """Where each row is scanned, (rows,): from low to high, multiples of g, in relative steps.
-
-    A row with an end that is NaN is not scanned.
-    """
-
-    low: np.ndarray
-    high: np.ndarray
-    step: np.ndarray
+    def probe(self, model: Follows, until: str = "edge") -> Probe:
+        """Ask a model about the rows; until: as in `settings.QUESTION`."""
+        return Probe(model, self.rows, self.settings, until)
 
     @property
-    def N(self) -> np.ndarray:
-        """Amplitudes of the scan, (rows, n); NaN after a row's last."""
-        return amplitudes(*self)
+    def bound(self) -> np.ndarray:
+        """N below which nothing can snap, (rows,): by energy, or by a share of the static one."""
+        bound = least_amplitudes(self.models.decides, self.rows, self.settings.start)
+        return np.maximum(bound, 1e-4 * self.models.static[self.rows.device])
 
-    def of(self, rows: np.ndarray) -> "Window":
-        """Leave out all rows but those of a mask, (rows,)."""
-        return self._replace(low=np.where(rows, self.low, np.nan))
+    @property
+    def rings(self) -> np.ndarray:
+        """Whether the device rings after the pulse, (rows,)."""
+        return is_ringing(self.models.decides.device, self.rows)
+
+    @property
+    def others(self) -> tuple[Follows, ...]:
+        """The models to compare clean rows with, the deciding one in another step first."""
+        models = self.models
+        return models.decides.with_step(STEP_RATIO), *models.others, *models.judges
+
+    @property
+    def others_of_ragged(self) -> tuple[Follows, ...]:
+        """The models to compare ragged rows with: those of clean rows, and the finest."""
+        return *self.others, self.models.finest or self.models.decides
 
 
-class Seen(NamedTuple):
-    """What is known of rows between two N: the edges, and the labels at both ends.
+class Changes(NamedTuple):
+    """Where the deciding model changes its label; edges apart, arrays are (rows,).
 
-    begins, ends: whether the row snaps at low, and at high, (rows,)
-    low, high: the two N, multiples of g, (rows,); NaN where nothing is known
+    edges: the changes, refined in clean rows
+    is_open: whether a ragged row does not snap at the highest N, and so has no N_always
+    limits: window in which islands count
+    ragged: whether labels change back and forth
+    firsts: N at which each of the other models begins to snap in ragged rows, (others, rows)
+    bound: N below which nothing can snap; highest: the largest N tried
+    quiet: whether all runs of the first scan succeeded without a snap
     """
 
     edges: Edges
-    begins: np.ndarray
-    ends: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
+    is_open: np.ndarray
+    limits: Window
+    ragged: np.ndarray
+    firsts: np.ndarray
+    bound: np.ndarray
+    highest: np.ndarray
+    quiet: np.ndarray
 
-    def of(self, rows: np.ndarray) -> "Seen":
-        """Forget all rows but those of a mask, (rows,)."""
-        low, high = (np.where(rows, end, np.nan) for end in (self.low, self.high))
-        edges = self.edges.take(rows[self.edges.row])
-        return Seen(edges, rows & self.begins, rows & self.ends, low, high)
-
-
-def nothing_seen(n_rows: int) -> Seen:
-    """Tell that nothing is known of rows."""
-    edges, labels = Edges(*np.zeros((3, 0)), np.zeros(0, bool)), np.zeros(n_rows, bool)
-    edges = edges._replace(row=edges.row.astype(int))
-    return Seen(edges, labels, labels, *np.full((2, n_rows), np.nan))
+    @property
+    def N_first(self) -> np.ndarray:
+        """The lowest N seen to snap, (rows,)."""
+        return stretches(self.edges, self.is_open)[0]
 
 
-def lowest_snap(
-    model: Follows,
-    rows: Rows,
-    bracket: tuple[np.ndarray, np.ndarray],
-    settings: Settings,
-    tolerance: float = THRESHOLD_TOLERANCE,
-    step: float = SCAN_STEP,
-) -> np.ndarray:
-    """Find the lowest N that snaps, multiples of g, (rows,).
-
-    bracket: lowest and highest N to try, numbers or (rows,)
-    tolerance: relative width of the interval whose upper end is returned
-    step: relative step of the amplitudes that are tried first
-    Gives NaN where nothing in the bracket snaps, or its lower end does.
-    """
-    ask = asker(model, rows, settings)
-    low, high = (np.broadcast_to(end, rows.f0.shape) for end in bracket)
-    N = amplitudes(low, high, step)
-    return refine(ask, *first_snap(N, np.isfinite(ask(N))), tolerance)[1]
-
-
-def asker(model: Follows, rows: Rows, settings: Settings, until: str = "edge") -> Ask:
-    """Make the function that tells when cells of rows snap; until: as in `settings.QUESTION`."""
-    observe = observer(model, rows, settings, until)
-    return lambda N: observe(N).t_snap
-
-
-def observer(
-    model: Follows, rows: Rows, settings: Settings, until: str = "edge"
-) -> Callable[[np.ndarray], Approach]:
-    """Make the function of N, (rows, n), that tells how near cells come to a snap."""
-    settings = settings._replace(until=until, repeat=False)
-
-    def observe(N):
-        known = np.isfinite(N)
-        runs = model.follow(rows.cells(model.device, N, settings.horizon).take(known), settings)
-        lost = np.isnan(runs.t_snap) & ~(runs.energy_error <= settings.energy_tolerance)
-        t_snap, lowest = np.full((2, *N.shape), np.nan)
-        t_snap[known], lowest[known] = np.where(lost, -np.inf, runs.t_snap), runs.lowest
-        return Approach(t_snap, lowest)
-
-    return observe
-
-
-def amplitudes(low: np.ndarray, high: np.ndarray, step: float | np.ndarray) -> np.ndarray:
-    """Space N from low to high in relative steps, each (rows,): (rows, n), NaN at a row's end."""
-    factor = np.broadcast_to(1 + np.asarray(step), low.shape)
-    count = 2 + int(np.nanmax(np.log(high / low) / np.log(factor), initial=0.0))
-    # Products, not powers: the library's exponential rounds by the processor.
-    N = np.multiply.accumulate(np.column_stack([low, *[factor] * (count - 1)]), axis=1)
-    N = np.minimum(N, high[:, np.newaxis])
-    N[:, 1:][N[:, 1:] == N[:, :-1]] = np.nan
-    return N
-
-
-def scan(ask: Ask, N: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Run ascending N, (rows, n), and find what `edges_of` finds."""
-    return edges_of(N, ask(N))
-
-
-def edges_of(N: np.ndarray, t_snap: np.ndarray) -> tuple[Edges, np.ndarray, np.ndarray]:
-    """Find the edges, in ascending order, and whether the first and the last N of each row snap.
-
-    N: ascending, (rows, n), NaN behind the last of a row; t_snap: as `Ask` gives it
-    """
-    snapped, known = np.isfinite(t_snap), np.isfinite(N)
-    row, k = np.nonzero((snapped[:, 1:] != snapped[:, :-1]) & known[:, 1:])
-    last = np.maximum(np.count_nonzero(known, axis=1) - 1, 0)
-    edges = Edges(row, N[row, k], N[row, k + 1], snapped[row, k + 1])
-    return edges, snapped[:, 0], snapped[np.arange(len(N)), last]
-
-
-def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
-    """Scan the parts of a window below and above what was seen, or all where nothing was."""
-    low, high, step = window
-    new = np.isnan(seen.low)
-    below = Window(np.where(seen.low <= low, np.nan, low), np.where(new, high, seen.low), step)
-    above = Window(np.where(high > seen.high, seen.high, np.nan), high, step)
-    lower, begins, ends = scan(ask, below.N)
-    upper, _, ends_above = scan(ask, above.N)
-    down, up = np.isfinite(below.low), np.isfinite(above.low)
-    return Seen(
-        edges=joined(lower, seen.edges, upper),
-        begins=np.where(down, begins, seen.begins),
-        ends=np.where(up, ends_above, np.where(new, ends, seen.ends)),
-        low=np.where(down, low, seen.low),
-        high=np.where(up | new, high, seen.high),
+def find_changes(search: Search) -> Changes:
+    """Find the changes of label of rows by the first four steps."""
+    models, bound = search.models, search.bound
+    cheap, decides = search.probe(models.scans, "snap"), search.probe(models.decides)
+    first, highest, quiet = scan_upwards(cheap, models.static, bound)
+    limits = island_limits(search, first, bound)
+    window, ragged = scan_for_islands(cheap, limits)
+    low, high = locate_change(decides, window.of(~ragged), search.tolerance)
+    seen = look_closely(decides, search.rings, low, high)
+    clean = is_single(seen.edges, seen.begins)
+    ragged = np.isfinite(first) & ~clean
+    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
+    others = [search.probe(model, "snap") for model in search.others_of_ragged]
+    lowest = np.minimum(limits.low, SLACK * bound)
+    of_ragged = search.probe(models.ragged)
+    scanned, firsts = scan_ragged(of_ragged, others, window, lowest, seen.of(ragged))
+    return Changes(
+        edges=joined(seen.of(clean).edges, scanned.edges),
+        is_open=ragged & ~scanned.ends,
+        limits=limits,
+        ragged=ragged,
+        firsts=firsts,
+        bound=bound,
+        highest=np.where(np.isnan(first), highest, limits.high),
+        quiet=quiet,
     )
 
 
-def around(
-    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
-) -> Window:
-    """Make the window from first / reach to last * reach, (rows,), within limits."""
-    low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)
-    return Window(low, high, np.full(low.size, step))
+def scan_upwards(
+    probe: Probe, static: np.ndarray, bound: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Find the first N that snaps, in steps of SCAN_STEP upwards.
 
-
-def outermost(row: np.ndarray, N: np.ndarray, n_rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Find the least and the largest N of each row, (n_rows,), NaN for rows without; row: of N."""
-    least, largest = np.full((2, n_rows), np.nan)
-    np.fmin.at(least, row, N)
-    np.fmax.at(largest, row, N)
-    return least, largest
-
-
-def stretches(edges: Edges, is_open: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Read N_first and N_always, (rows,), and the ends of islands, (2, rows, most), off the edges.
-
-    is_open: whether the highest N of a row does not snap, so that there is no N_always, (rows,)
+    static, bound: as for `scan_range`; the scan goes down to the bound where the first N snaps
+    Returns N, NaN where nothing snaps, the highest N of the range, and whether nothing snaps, false
+    where a run failed; all (rows,).
     """
-    n_rows = is_open.size
-    rising, falling = edges.take(edges.rising), edges.take(~edges.rising)
-    N_first, N_always = outermost(rising.row, rising.high, n_rows)
-    most = np.bincount(falling.row, minlength=1).max()
-    islands = np.full((2, n_rows, most), np.nan)
-    for i in np.unique(falling.row):
-        ends = np.sort(falling.low[falling.row == i])
-        islands[0, i, : ends.size] = np.sort(rising.high[rising.row == i])[: ends.size]
-        islands[1, i, : ends.size] = ends
-    return N_first, np.where(is_open, np.nan, N_always), islands
+    N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
+    t_snap = np.full(N.shape, np.nan)
+    for part in np.split(np.arange(N.shape[1]), range(TOGETHER, N.shape[1], TOGETHER)):
+        quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
+        t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
+    first = first_snap(N, np.isfinite(t_snap))[1]
+    quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
+    begins = np.isfinite(t_snap[:, 0])
+    if begins.any():
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
+        first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
+    return first, np.fmax.reduce(N, axis=1), quiet
 
 
-def first_snap(N: np.ndarray, snapped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the interval below the first of ascending N, (rows, n), that snaps; NaN for none."""
-    first = np.argmax(snapped, axis=1)
-    rows = np.arange(len(N))
-    inside = snapped[rows, first] & (first > 0)
-    low, high = (np.where(inside, N[rows, end], np.nan) for end in (first - 1, first))
-    return low, high
+def scan_range(
+    probe: Probe, static: np.ndarray, bound: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Choose the lowest and the highest N of the first scan, (rows,): around any threshold.
+
+    static: threshold of slow pulses, multiples of g, (devices,)
+    bound: N below which nothing can snap, (rows,)
+    A pulse amplifies by at most its variation (2 or more): the scan begins at two thirds of the
+    static threshold over that. It ends at five times the static threshold, and higher for short
+    pulses, by their change of velocity, and damped masses. A record that goes back and forth counts
+    as a change of at least 2 % of peak times duration, and a pulse that pulls counts as pressing
+    with at least a quarter of its peak.
+    """
+    device, rows, start = probe.model.device, probe.rows, probe.settings.start
+    ahead = [pulse if start == FIRST else pulse.reversed() for pulse in rows.pulses]
+    columns = static, device.own_frequency, device.mass
+    static, frequency, mass = (column[rows.device] for column in columns)
+    facts = [(p.variation, max(abs(p.impact), 0.02 * p.swing), max(p.highest, 0.25)) for p in ahead]
+    variation, area, press = (column[rows.pulse] for column in np.array(facts).T)
+    fast = 1e-6 * np.pi * rows.f0 / (frequency * area)
+    damped = np.divide(rows.C, 2 * frequency * mass, out=np.zeros(mass.shape), where=mass > 0)
+    low = static / (1.5 * np.fmax(variation, 2))
+    # A flying mass strikes with energy that a far weaker shock can give it. A beam that leaves a
+    # mass at its stop may swing further than a lasting push moves it.
+    from_bound = np.isfinite(device.stop_toward) | (start != FIRST) & ~device.is_alone
+    low = np.where(from_bound[rows.device], np.minimum(low, SLACK * bound), low)
+    return low, 5 * static / press * (1 + fast) * (1 + damped)
 
 
-def refine(
-    ask: Ask,
+def scan_for_islands(probe: Probe, limits: Window) -> tuple[Window, np.ndarray]:
+    """Find the window around the cheap model's changes, and the rows that are ragged, (rows,).
+
+    A row is ragged where labels of the cheap model change more than once: then they do in every
+    model, in each at other N.
+    """
+    n_rows = limits.low.size
+    edges, *_ = scan(probe, limits.N)
+    ends = outermost(edges.row, edges.high, n_rows)
+    ragged = np.bincount(edges.row, minlength=n_rows) > 1
+    return around(limits, *ends, CLEAN_REACH, ISLAND_STEP), ragged
+
+
+def island_limits(search: Search, first: np.ndarray, bound: np.ndarray) -> Window:
+    """Choose the window that is scanned for islands, around the first N that snaps, (rows,).
+
+    Where a pulse is too slow for ringing, islands lie within RAGGED_REACH.
+    """
+    slow = ~is_ringing(search.models.decides.device, search.rows, RINGING / 5)
+    near = first / RAGGED_REACH, first * RAGGED_REACH
+    low = np.where(slow, near[0], ISLANDS_FROM * first)
+    low = SLACK * bound if search.from_bound else low
+    high = search.highest
+    high = ISLANDS_TO * first if high is None else np.fmax(high, near[1])
+    high = np.where(np.isfinite(first), np.where(slow, near[1], high), np.nan)
+    return Window(low, high, np.full(first.size, ISLAND_STEP))
+
+
+def locate_change(probe: Probe, window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Find the ends of the change of label in rows that have a single one, refined.
+
+    Returns low and high, (rows,), NaN for other rows.
+    """
+    edges, begins, _ = scan(probe, window.N)
+    single = edges.take(is_single(edges, begins)[edges.row])
+    low, high = np.full((2, begins.size), np.nan)
+    low[single.row], high[single.row] = single.low, single.high
+    return refine(probe, low, high, tolerance)
+
+
+def is_single(edges: Edges, begins: np.ndarray) -> np.ndarray:
+    """Tell which rows have one edge alone, from quiet to snap, (rows,); begins: as in `Seen`."""
+    return ~begins & (np.bincount(edges.row, minlength=begins.size) == 1)
+
+
+def look_closely(probe: Probe, rings: np.ndarray, low: np.ndarray, high: np.ndarray) -> Seen:
+    """Find further edges close to the single one of rows, where the device rings.
+
+    rings: whether it does, (rows,)
+    low, high: ends of the edge, refined, (rows,), NaN for rows that are skipped
+    """
+    seen = close_edges(probe, *(np.where(rings, end, np.nan) for end in (low, high)))
+    others = np.flatnonzero(~rings & np.isfinite(high))
+    rising = np.ones(others.size, bool)
+    edges = joined(seen.edges, Edges(others, low[others], high[others], rising))
+    low, high = np.where(rings, [seen.low, seen.high], [low, high])
+    return Seen(edges, seen.begins, np.where(rings, seen.ends, np.isfinite(high)), low, high)
+
+
+def close_edges(
+    probe: Probe,
     low: np.ndarray,
     high: np.ndarray,
-    tolerance: float,
-    rising: np.ndarray | bool = True,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Narrow intervals with a change of label, low and high (rows,), to neighbouring places.
+    sides: tuple[int, ...] = (-1, 1),
+    reach: float = np.inf,
+) -> Seen:
+    """Find further edges close to a refined one, as a scan in CLOSE_STEP would, by fewer runs.
 
-    rising: whether `high` snaps, (rows,); else `low` does
-    The places are those of a lattice in relative steps of `tolerance` or less, the same for all
-    rows: a single change has the same place whatever interval it was sought in.
+    low, high: ends of the edge, (rows,), NaN for rows that are skipped
+    sides: sides that are looked at, -1 below and 1 above
+    reach: largest relative distance of CLOSE_PLACES
+    Below a single threshold, runs come nearer to a snap as N grows; above, they snap later the
+    closer N is to it. A stretch of the other label disturbs this order far beyond its own ends, as
+    runs beside it dwell at the saddle, too. Where the order is broken, all steps in between are
+    tried, above every second one, unless a run has shown another label already.
     """
-    low, high, size = np.array(low), np.array(high), lattice_size(tolerance)
-    rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
-    while True:
-        first, last = place_of(low, size, np.floor) + 1, place_of(high, size, np.ceil) - 1
-        wide = np.flatnonzero(first <= last)
-        if not wide.size:
-            return low, high
-        cuts = np.multiply.outer(last[wide] - first[wide] + 2, np.arange(1, PARTS)) // PARTS
-        places = first[wide, np.newaxis] - 1 + np.maximum(cuts, 1)
-        N = np.full((low.size, PARTS - 1), np.nan)
-        N[wide] = amplitude_at(places, size)
-        as_high = (np.isfinite(ask(N)) == rising)[wide]
-        ends = np.zeros((wide.size, 1), bool)
-        N = np.column_stack([low[wide], N[wide], high[wide]])
-        low[wide], high[wide] = first_snap(N, np.hstack([ends, as_high, ~ends]))
+    steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
+    between = np.setdiff1d(np.arange(2, steps[-1]), steps)
+    inside = np.searchsorted(steps, between) - 1
+    runs = [probe.observe(_beside(low, high, side, steps)) for side in sides]
+    others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
+    alone = ~np.any(np.hstack(others), axis=1, keepdims=True)
+    N, t_snap = [low, high], [np.full(low.size, np.nan), np.zeros(low.size)]
+    for side, run in zip(sides, runs, strict=True):
+        nearer = -run.lowest if side < 0 else run.t_snap
+        # Above the threshold a gap of one step does not matter.
+        wanted = alone & _out_of_order(nearer)[:, inside] & ((side < 0) | (between % 2 == 0))
+        more = np.where(wanted, _beside(low, high, side, between), np.nan)
+        N += _beside(low, high, side, steps), more
+        t_snap += run.t_snap, probe(more)
+    N, t_snap = np.column_stack(N), np.column_stack(t_snap)
+    order = np.argsort(N, axis=1)
+    N, t_snap = (np.take_along_axis(a, order, axis=1) for a in (N, t_snap))
+    return Seen(*edges_of(N, t_snap), np.fmin.reduce(N, axis=1), np.fmax.reduce(N, axis=1))
 
 
-def lattice_size(tolerance: float) -> int:
-    """Choose the number of lattice places from 2^n to 2^(n + 1), for steps within a tolerance."""
-    return 1 << (1 - math.frexp(tolerance)[1])
+def _beside(low, high, side, steps):
+    """Give N at some numbers of steps below or above an edge, (rows, steps)."""
+    return np.multiply.outer(low if side < 0 else high, 1 + CLOSE_STEP * side * steps)
 
 
-def place_of(N: np.ndarray, size: int, rounding: Callable = np.ceil) -> np.ndarray:
-    """Find the places of a lattice at N or above; with np.floor, at N or below; NaN counts as 0."""
-    share, exponent = np.frexp(np.where(np.isnan(N), 0.0, N))
-    return exponent * np.int64(size) + rounding((2 * share - 1) * size).astype(np.int64)
+def _out_of_order(nearer, beside=2):
+    """Find intervals, (rows, n), in which values do not fall outward, or within `beside` of such.
 
-
-def amplitude_at(place: np.ndarray, size: int) -> np.ndarray:
-    """Give N at places of a lattice of `size` places an octave."""
-    exponent, steps = np.divmod(place, size)
-    return np.ldexp(0.5 + steps / (2 * size), exponent.astype(np.int32))
-
-
-def near(
-    label: Label,
-    rows: np.ndarray,
-    guess: np.ndarray,
-    size: int,
-    low: np.ndarray | None = None,
-    high: np.ndarray | None = None,
-) -> np.ndarray:
-    """Find the first place at which labels, which change once along a grid, are true, (rows,).
-
-    rows: numbers of rows, as `label` takes them; size: number of places of the grid
-    guess: where the search begins, to go ever farther away, (rows,)
-    low, high: places known to be false and true, (rows,); by default outside of the grid
-    Returns 0 where all labels are true, and `size` where none is.
+    docs/thresholds.md, "Width of islands", has what this misses.
     """
-    low = np.full(guess.size, -1) if low is None else low.copy()
-    high = np.full(guess.size, size) if high is None else high.copy()
-    probes, reach = np.clip(np.add.outer(guess, [-1, 0]), 0, size - 1), np.arange(1, PARTS)
-    while (left := np.flatnonzero(high - low > 1)).size:
-        at = probes[left]
-        true = label(rows[left], at)
-        high[left] = np.minimum(high[left], np.where(true, at, size).min(axis=1))
-        false = ~true & (at < high[left, np.newaxis])
-        low[left] = np.maximum(low[left], np.where(false, at, -1).max(axis=1))
-        below, above = low[:, np.newaxis], high[:, np.newaxis]
-        between = below + np.maximum((above - below) * np.arange(1, PARTS) // PARTS, 1)
-        downward = np.where(below < 0, np.maximum(above - reach[::-1], 0), between)
-        upward = (above == size) & (below >= 0)
-        probes = np.where(upward, np.minimum(below + reach, size - 1), downward)
-        reach = PARTS * reach
-    return high
+    with np.errstate(invalid="ignore"):
+        rises = ~(nearer[:, 1:] < nearer[:, :-1])
+    padded = np.pad(rises, ((0, 0), (beside, beside)))
+    shifts = range(2 * beside + 1)
+    return np.any([padded[:, i : i + rises.shape[1]] for i in shifts], axis=0)
 
 
-def walk(
-    label: Label, rows: np.ndarray, start: np.ndarray | int, stop: np.ndarray | int, step: int = 1
-) -> np.ndarray:
-    """Find the first place from `start` on, in steps, at which a label is true, (rows,).
-
-    rows: numbers of rows, as `label` takes them
-    stop: the place to end at, returned where no label is true; a few places beyond are tried, too
-    """
-    place = np.array(np.broadcast_to(start, rows.shape))
-    stop = np.broadcast_to(stop, rows.shape)
-    left = np.flatnonzero(place < stop)
-    most = 1
-    while left.size:
-        together = np.clip(AT_ONCE // left.size, 1, most)
-        places = place[left, np.newaxis] + step * np.arange(together)
-        true = label(rows[left], places)
-        hit = true.any(axis=1)
-        place[left] += step * np.where(hit, np.argmax(true, axis=1), together)
-        left = left[~hit & (place[left] < stop[left])]
-        most = min(2 * most, TOGETHER)
-    return np.minimum(place, stop)
+def is_fast(device: Device, rows: Rows) -> np.ndarray:
+    """Tell whether a pulse excites more than the first modes of the beam, (rows,)."""
+    swings = np.array([pulse.swings for pulse in rows.pulses])[rows.pulse]
+    return 2e-6 * np.pi * rows.f0 * swings > FAST_PULSE * device.own_frequency[rows.device]
 
 
-def nearby(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray, tolerance: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Find a threshold close to where it is expected, between two neighbours on `refine`'s lattice.
-
-    expected: multiples of g, (rows,), NaN for rows that are skipped
-    Returns low, which does not snap, and high, which does, (rows,); NaN where no change is near.
-    """
-    size = lattice_size(tolerance)
-    known, reach = np.flatnonzero(np.isfinite(expected)), math.ceil(2 * size * EXPECTED_WITHIN)
-    first = place_of(expected[known], size) - reach
-
-    def label(which, places):
-        N = amplitude_at(first[which, np.newaxis] + places, size)
-        return np.isfinite(asker(model, rows.take(known[which]), settings)(N))
-
-    place = near(label, np.arange(known.size), np.full(known.size, reach), 2 * reach)
-    inside = (place > 0) & (place < 2 * reach)
-    place = (first + place)[inside]
-    ends = np.full((2, expected.size), np.nan)
-    ends[:, known[inside]] = amplitude_at(place - 1, size), amplitude_at(place, size)
-    return ends[0], ends[1]
+def is_ringing(device: Device, rows: Rows, least: float = RINGING) -> np.ndarray:
+    """Tell whether the device rings after a pulse, (rows,); least: the share that RINGING is."""
+    frequency, spring = device.own_frequency[rows.device], device.spring[rows.device]
+    steepest = np.array([pulse.steepest for pulse in rows.pulses])[rows.pulse]
+    C = np.where(device.is_alone[rows.device], 0.0, rows.C)
+    return 2e-6 * np.pi * rows.f0 * steepest * (1 / frequency + C / spring) >= least

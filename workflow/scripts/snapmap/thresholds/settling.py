@@ -4,12 +4,9 @@ from functools import partial
 
 import numpy as np
 
-from ..solver.cells import Rows
 from ..solver.cost import steps_and_seconds
-from ..solver.models import Follows
 from ..solver.outcome import LATCHED, label
-from ..solver.settings import Settings
-from .search import amplitudes, walk
+from .probe import Probe, amplitudes, walk
 
 LATCHED_STEP = 0.01
 """Relative step of the amplitudes that are followed to their end."""
@@ -20,14 +17,14 @@ RUN_STEPS = 2e6
 """Most time steps of a run to its end; rows of slower pulses are left out."""
 
 
-def lowest_latched(
-    model: Follows, rows: Rows, low: np.ndarray, high: np.ndarray, settings: Settings
-) -> np.ndarray:
+def lowest_latched(probe: Probe, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Find the lowest N from which on all cells tried latch, (rows,); NaN if the highest does not.
 
     low, high: range of N that is tried, multiples of g, (rows,), NaN for none
-    The search goes down from the highest N, which must latch with a time step LONGER, too.
+    Runs go to their end, whatever the probe asks. The search goes down from the highest N, which
+    must latch with a time step LONGER, too.
     """
+    model, rows, settings, _ = probe
     cells = rows.cells(model.device, 0.0, settings.horizon)
     steps = (cells.t_end / steps_and_seconds(model, cells, settings)[0])[:, 0]
     N = amplitudes(np.where(steps <= RUN_STEPS, low, np.nan), high, LATCHED_STEP)

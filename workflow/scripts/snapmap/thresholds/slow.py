@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..beam.limit_loads import static_threshold
-from ..device.device import Device, Value
+from ..device.device import Device
 from ..pulse.pulse import Pulse
+from ..values.kinds import Number
 
 HEAVY = 30.0
 """Least mass, in masses of the beam, with which the beam's own inertia does not round the corner of
@@ -16,9 +17,11 @@ HOLDS = 0.01
 """Relative distance from the threshold up to which a law holds."""
 POINTS = 4096
 """Number of steps into which a pulse is cut."""
+FEW = 12
+"""Most rows that are followed one by one, in numbers, as short arrays would take longer."""
 
 
-def growth_rate(device: Device, C: Value) -> Value:
+def growth_rate(device: Device, C: Number) -> Number:
     """Give the rate sigma, 1/us, at which the mass departs along the falling branch of the path.
 
     C: uN us/um; the dwell is 2/sigma
@@ -50,9 +53,17 @@ def slow_factor(pulse: Pulse, swings: np.ndarray) -> np.ndarray:
     if any(pulse.ends) or pulse.highest == 0:
         return np.full(swings.shape, np.nan)
     p = pulse.at(np.arange(POINTS + 1) / POINTS)
-    half = swings / (2 * POINTS)
-    lasting, peak = np.zeros((2, *swings.shape))
-    for double_mean in (p[:-1] + p[1:])[::-1].tolist():
-        lasting = (lasting * (1 - half) + half * double_mean) / (1 + half)
-        peak = np.fmax(peak, lasting)
-    return 1 / peak
+    double_means, half = (p[:-1] + p[1:])[::-1].tolist(), swings / (2 * POINTS)
+    if swings.size > FEW:
+        return 1 / _peak(half, double_means, np.fmax)
+    return 1 / np.array([_peak(each, double_means, max) for each in half.tolist()])
+
+
+def _peak(half, double_means, larger):
+    """Return the peak of I, of numbers or (rows,); half: half of sigma times a step."""
+    lasting = peak = 0.0 * half
+    less, more = 1 - half, 1 + half
+    for double_mean in double_means:
+        lasting = (lasting * less + half * double_mean) / more
+        peak = larger(peak, lasting)
+    return peak

@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..pulse.pulse import blow_at
+from ..solver.bounds import least_amplitudes
 from ..solver.cells import Rows
-from ..solver.models import Follows
-from ..solver.settings import Settings
-from ..study.axes import NAMES
-from .search import asker
+from ..study.axes import NAMES, Grid
+from .probe import Probe, nearby
+from .search import Search, is_fast, is_ringing, is_single, look_closely
+from .survey import FOUND, survey, with_rows
 
 SURFACE_POINTS = 8
 """Least number of points on an axis along which thresholds are a surface."""
@@ -22,6 +24,11 @@ WITHIN = 1e-3
 """Largest relative distance of a threshold from its prediction, but at least its tolerance."""
 QUIET_AT, SNAPS_AT = (0.7, 0.8, 0.87, 0.92, 0.95, 0.965), (1.005, 1.02, 1.05, 1.1, 1.2, 1.4, 1.9)
 """N over the prediction at which a row must not snap, and must snap."""
+ROWS = 4096
+"""Number of rows that are searched together; each takes some 70 kB."""
+
+Part = tuple[np.ndarray, Sequence[np.ndarray]]
+"""Surfaces of rows: their numbers, (surfaces, n_1, ..., n_d), -1 for none, and d ascending axes."""
 
 
 class Expected(NamedTuple):
@@ -37,15 +44,125 @@ class Expected(NamedTuple):
     clean: np.ndarray
 
 
-def surfaces(
-    axes: Mapping[str, np.ndarray], rows: np.ndarray, slow: np.ndarray
-) -> list[tuple[np.ndarray, list[np.ndarray]]]:
+def find_thresholds(search: Search, parts: Sequence[Part]) -> dict[str, np.ndarray]:
+    """Find the thresholds of all rows; returns variables by name, (rows, ...).
+
+    parts: surfaces, as `surfaces` returns them
+    """
+    columns, rows = {}, search.rows
+
+    def add(which, new):
+        for key, values in new.items():
+            columns[key] = with_rows(rows.f0.size, which, values, columns.get(key))
+
+    def search_rows(which):
+        # The first search makes the columns, even if it is of no rows.
+        for block in _blocks(which) if which.size or not columns else []:
+            new = survey(search.take(block))
+            add(block, new._asdict() | {"verified": np.zeros(block.size, np.int8)})
+        N = columns["N_first"][which]
+        clean = (columns["ragged"][which] == 0) & (columns["islands"][which] == 0)
+        bar, level = columns["N_error"][which] / N, columns["level"][which]
+        return Expected(N=N, bar=bar, level=level, clean=np.isfinite(N) & clean)
+
+    def verify(which, expected):
+        holds = np.zeros(which.size, bool)
+        for block in _blocks(np.arange(which.size)):
+            near = Expected(*(values[block] for values in expected))
+            new = _verify(search.take(which[block]), near)
+            holds[block] = verified = np.isfinite(new["N_first"])
+            add(which[block][verified], {key: values[verified] for key, values in new.items()})
+        return holds
+
+    search_rows(np.flatnonzero(off_surfaces(rows.device >= 0, parts)))
+    for part in parts:
+        fill(*part, search_rows, verify)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        columns["blow"] = blow_at(rows.pulses, rows.pulse, columns["t_snap"] * rows.f0 * 1e-6)
+    most = columns["islands"].max(initial=0)
+    return columns | {key: columns[key][:, :most] for key in ("island_from", "island_to")}
+
+
+def _blocks(rows):
+    return np.split(rows, range(ROWS, rows.size, ROWS))
+
+
+def _verify(search, expected):
+    """Verify thresholds where they are expected; returns variables by name, (rows, ...).
+
+    N_first is NaN where no threshold is within WITHIN of the expected one.
+    """
+    models, rows, tolerance = search.models, search.rows, search.tolerance
+    N_first, t_snap = np.full((2, rows.f0.size), np.nan)
+    fast, finest = is_fast(models.decides.device, rows), len(models.levels) - 1
+    level_of = np.maximum(expected.level, np.minimum(fast, finest))
+    for number, level in enumerate(models.levels):
+        which = np.flatnonzero(level_of == number)
+        part, N = search.take(which), expected.N[which]
+        probe = part.probe(level.decides)
+        N = np.where(expected_labels(probe, N), N, np.nan)
+        seen = look_closely(probe, part.rings, *nearby(probe, N, tolerance))
+        single = seen.edges.take(is_single(seen.edges, seen.begins)[seen.edges.row])
+        first = np.full(N.size, np.nan)
+        first[single.row] = single.high
+        holds = abs(first - N) <= max(WITHIN, tolerance) * N
+        N_first[which] = N = np.where(holds, first, np.nan)
+        t_snap[which] = probe.at(N)
+    top = np.inf if search.highest is None else search.highest
+    zero = np.zeros(rows.f0.size, np.int8)
+    return {
+        "status": zero + np.int8(FOUND),
+        "N_bound": least_amplitudes(models.decides, rows, search.settings.start),
+        "N_looked": expected.N * SNAPS_AT[-1],
+        "N_first": N_first,
+        "N_error": (expected.bar + tolerance) * N_first + abs(N_first - expected.N),
+        "ragged": zero,
+        "N_always": np.where(N_first <= top, N_first, np.nan),
+        "t_snap": t_snap,
+        "level": level_of.astype(np.int8),
+        "islands": zero.astype(int),
+        "island_from": np.empty((zero.size, 0)),
+        "island_to": np.empty((zero.size, 0)),
+        "verified": zero + np.int8(1),
+    }
+
+
+def expected_labels(probe: Probe, expected: np.ndarray) -> np.ndarray:
+    """Tell whether rows are quiet at all of QUIET_AT and snap at all of SNAPS_AT, (rows,)."""
+    N = np.multiply.outer(expected, QUIET_AT + SNAPS_AT)
+    quiet, snapping = np.hsplit(probe(N), [len(QUIET_AT)])
+    return np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)
+
+
+def split_rows(grid: Grid, rows: Rows) -> tuple[list[Part], np.ndarray]:
+    """Find the surfaces of a grid, and which of its rows are searched at first, (rows,).
+
+    The thresholds of the other rows are expected between those, and verified.
+    """
+    exists = rows.device >= 0
+    rings = exists & is_ringing(grid.device, rows)
+    slow = ~rings.reshape(-1, grid.axes["f0"].size).any(axis=0)
+    numbers = np.where(exists, np.arange(exists.size), -1)
+    parts = surfaces(grid.axes, numbers.reshape(grid.shape), slow)
+    searched = off_surfaces(exists, parts)
+    searched[initial_rows(parts)] = True
+    return parts, searched
+
+
+def off_surfaces(exists: np.ndarray, parts: Sequence[Part]) -> np.ndarray:
+    """Tell which rows exist but lie on no surface, (rows,)."""
+    alone = exists.copy()
+    for numbers, _ in parts:
+        alone[numbers[numbers >= 0]] = False
+    return alone
+
+
+def surfaces(axes: Mapping[str, np.ndarray], rows: np.ndarray, slow: np.ndarray) -> list[Part]:
     """Split a grid into surfaces, by the values of its axes alone.
 
     axes: values by name; rows: numbers of rows, in the shape of the axes
     slow: for each f0, whether thresholds are smooth along f0 there
-    Returns numbers of rows, (surfaces, n_1, ..., n_d), and d ascending axes, for slow pulses and
-    for others.
+    Returns a part for slow pulses and one for others.
     """
     apart = []
     for is_slow in (True, False):
@@ -145,7 +262,7 @@ class Surface:
             column[which] = value
 
 
-def initial_rows(parts: Sequence[tuple[np.ndarray, Sequence[np.ndarray]]]) -> np.ndarray:
+def initial_rows(parts: Sequence[Part]) -> np.ndarray:
     """Give the numbers of the rows of surfaces that `fill` searches in any case, (n,)."""
     first = [
         rows[np.ix_(range(len(rows)), *(_places(x, 0) for x in axes))].ravel()
@@ -191,12 +308,3 @@ def _cubic(N, axes, places):
         N = total
     lacks_N = np.isnan(N).any(axis=tuple(range(1, N.ndim)), keepdims=True)
     return np.where(lacks_N, 1.0, N)
-
-
-def expected_labels(
-    model: Follows, rows: Rows, settings: Settings, expected: np.ndarray
-) -> np.ndarray:
-    """Tell whether rows are quiet at all of QUIET_AT and snap at all of SNAPS_AT, (rows,)."""
-    N = np.multiply.outer(expected, QUIET_AT + SNAPS_AT)
-    quiet, snapping = np.hsplit(asker(model, rows, settings)(N), [len(QUIET_AT)])
-    return np.isnan(quiet).all(axis=1) & np.isfinite(snapping).all(axis=1)

@@ -16,7 +16,7 @@ from ..files.named import naming
 PACKAGE = Path(__file__).parents[1]
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: within the package in a wheel, else the checkout."""
-CONFIG = "config.yaml"
+CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
 SEARCH = 750
@@ -54,38 +54,38 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def init(folder: Path) -> None:
-    """Write the config of a sensor, with comments, into a folder; ValueError if it has one."""
+    """Write the config of a sensor, with comments, and its schema; ValueError if there is one."""
     path = folder / CONFIG
-    with naming(path):
-        if path.exists() or path.is_symlink():
-            raise ValueError("exists already; name another folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(PIPELINE / "config" / "sensor.yaml", path)
+    for source, new in (("sensor.yaml", path), (SCHEMA, folder / SCHEMA)):
+        with naming(new):
+            if new.exists() or new.is_symlink():
+                raise ValueError("exists already; name another folder")
+            folder.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(PIPELINE / "config" / source, new)
     print(f"{path}: write your device there, then: snapmap check {path}")
 
 
 def check(config: Path) -> None:
     """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
-        from ..applications import functions, gather, refuse_all
+        from ..applications import attached, gather, refuse_all
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
-    from ..solver.laws import laws_of
     from .forecast import forecast
     from .plan import make_plan
 
     study = load_config(read_document(config))
-    plan = make_plan(
-        study.grid, study.model, study.settings, gather("alone", study), functions("observing")
-    )
+    alone = gather(lambda part: part.alone(study))
+    observing = [part.observing for part in attached().values()]
+    plan = make_plan(study.grid, study.model, study.run, alone, observing)
     refuse_all(study)
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
-    laws = laws_of(study.model)
+    laws = study.model.laws
     if laws and laws.solver:
         print(_runs(study))
         return
@@ -99,7 +99,7 @@ def _runs(study):
     """Count the runs of a user's own solver, whose core time is unknown."""
     cells = prod(study.grid.shape)
     rows = cells // study.grid.axes["N"].size
-    runs = cells * (1 + study.settings.repeat)
+    runs = cells * (1 + study.run.repeat)
     return (
         f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
         "more where they are ragged"

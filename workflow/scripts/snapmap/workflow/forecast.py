@@ -9,14 +9,15 @@ import warnings
 
 import numpy as np
 
-from ..applications import attached, functions, gather
+from ..applications import attached, gather, observers
 from ..config.study import Config
-from ..solver.adaptive import choose_model, choose_survey
+from ..solver.adaptive import choose_model
 from ..solver.cost import steps_and_seconds
 from ..study.axes import NAMES, Grid, rows_of
 from ..sweeps.grid import follow_rows
 from ..thresholds.cost import survey_seconds
-from ..thresholds.surface import split_rows, thresholds_of
+from ..thresholds.surface import search_of, thresholds_of
+from ..thresholds.verified import split_rows
 from .products import choose_views
 
 OF_CELLS, OF_THRESHOLDS = 0.1, 0.6
@@ -36,17 +37,13 @@ def forecast(study: Config) -> dict[str, float]:
         cells = _scaled(study, _cell_seconds, _follow, OF_CELLS)
         thresholds = _scaled(searching, search_seconds, _search, OF_THRESHOLDS)
     drawn = FIGURE * count_figures(study)
-    return {"cells": cells, "thresholds": thresholds, **gather("cost", study), "figures": drawn}
+    costs = gather(lambda part: part.cost(study))
+    return {"cells": cells, "thresholds": thresholds, **costs, "figures": drawn}
 
 
 def count_figures(study: Config) -> int:
     """Count the figures of a study, the page among them."""
-    made = gather("outputs", study)
-    of_applications = [
-        figures
-        for name, figures in gather("figures", study).items()
-        if name in made or hasattr(attached()[name], "drawn_from")
-    ]
+    of_applications = gather(lambda part: part.drawn(study)).values()
     return sum(map(len, [*choose_views(study).stems.values(), *of_applications]))
 
 
@@ -89,28 +86,27 @@ def _timed(do, *arguments):
 
 def _cell_seconds(study, grid):
     """Estimate the core time of the cells of a grid, at all N of the study, s."""
-    built = choose_model(grid.device, study.model, study.settings.start).levels[0]
+    built = choose_model(grid.device, study.model, study.run.start).levels[0]
     rows = rows_of(grid)
-    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.settings.horizon)
-    seconds = steps_and_seconds(built, cells, study.settings)[1].sum()
-    for cost in functions("observing"):
-        seconds += np.sum(cost(built, cells, study.settings))
+    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.run.horizon)
+    seconds = steps_and_seconds(built, cells, study.run)[1].sum()
+    for part in attached().values():
+        seconds += np.sum(part.observing(built, cells, study.run))
     return float(seconds) * study.axes["N"].size
 
 
 def _follow(study, axes):
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.settings.start)
-    follow_rows(built, rows_of(grid), study.axes["N"], study.settings, functions("observe"))
+    built = choose_model(grid.device, study.model, study.run.start)
+    follow_rows(built, rows_of(grid), study.axes["N"], study.run, observers())
 
 
 def search_seconds(study: Config, grid: Grid) -> float:
     """Estimate the core time of the thresholds of a grid, without what each call takes, s."""
-    models = choose_survey(grid.device, study.model, study.settings.start)
-    rows = rows_of(grid)
-    _, searched = split_rows(grid, rows)
-    verified = ~searched & (rows.device >= 0)
-    parts = (survey_seconds(models, rows.take(of), study.settings) for of in (searched, verified))
+    search = search_of(study, grid)
+    _, searched = split_rows(grid, search.rows)
+    verified = ~searched & (search.rows.device >= 0)
+    parts = (survey_seconds(search.take(of)) for of in (searched, verified))
     return next(parts) + VERIFIED * next(parts)
 
 

@@ -95,9 +95,9 @@ def difference(document: Mapping, config: str) -> str:
     for key in ("device", "devices", "pulse", "model"):
         if asked.get(key) != made.get(key):
             return _differ(key, asked.get(key), made.get(key))
-    for key in asked["sweep"].keys() & made.get("sweep", {}).keys():
-        if asked["sweep"][key] != made["sweep"][key]:
-            return _differ(f"sweep.{key}", asked["sweep"][key], made["sweep"][key])
+    for key in asked["run"].keys() & made.get("run", {}).keys():
+        if asked["run"][key] != made["run"][key]:
+            return _differ(f"run.{key}", asked["run"][key], made["run"][key])
     return ""
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.settings import Settings
+from ..solver.options import Chosen
+from ..solver.settings import Run
 from ..study.axes import DEVICE, Grid
 from ..sweeps.slabs import SINGLE, Slab, cells_in
 
@@ -48,14 +49,13 @@ class Plan(NamedTuple):
 
 def make_plan(
     grid: Grid,
-    model: Mapping,
-    settings: Settings,
+    model: Chosen,
+    settings: Run,
     alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
     observing: Sequence[Callable] = (),
 ) -> Plan:
     """Cut a grid into regular slabs, along boundaries that do not move if the grid grows.
 
-    model: name and options
     alone: f0 (Hz) of cells that are followed beside the grid, by the key of the config behind them
     observing: functions of model, cells and settings that give the time of an observer, s
     Raises ValueError, one line, for a model that cannot be built or a grid that takes too long.
@@ -70,11 +70,11 @@ def make_plan(
     dt, seconds = _expected(grid, model, settings, axes["f0"], observing)
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
-    moved = settings._replace(until="moved")
+    moved = settings.but(until="moved")
     for f0 in alone.values():
         beside += _expected(grid, model, moved, np.array(f0), observing)[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
-        key = "sweep.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
+        key = "run.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
             key = min(alone, key=lambda key: min(alone[key]))
             lowest = min(alone[key])
@@ -87,7 +87,7 @@ def make_plan(
     cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
     if DEVICE in axes:
         cost = cost.max(axis=[*axes].index(DEVICE))
-    runs = _runs(axes, cost, model["name"] == "auto")
+    runs = _runs(axes, cost, model.name == "auto")
     # Many slabs share one copy of their N.
     parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []

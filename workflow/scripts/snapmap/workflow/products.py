@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..applications import gather
+from ..applications import attached
 from ..config.study import Config
 from ..config.views import MAPS, View
 from ..study.axes import DIRECTION, SHAPE
@@ -43,7 +43,7 @@ class Views(NamedTuple):
 def choose_views(study: Config) -> Views:
     """Choose the figures of the cells and thresholds of a study."""
     of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
-    shown = [key for key in WORDS if key != "ends" or study.settings.until == "settled"]
+    shown = [key for key in WORDS if key != "ends" or study.run.until == "settled"]
     figures = [(name, shows) for name in dict.fromkeys(_names(of_cells)) for shows in shown]
     return Views(
         maps=[
@@ -70,8 +70,8 @@ def _with_shocks(view, study):
     """Add the required shocks to a map, each with whether it has the pulse of the map's cells."""
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
-    of_map = shape.section, direction, study.settings.start
-    marks = [mark for marks in gather("marks", study).values() for mark in marks]
+    of_map = shape.section, direction, study.run.start
+    marks = [mark for part in attached().values() for mark in part.marks(study)]
     required = [(name, f0, N, of_map in pushed) for name, f0, N, pushed in marks]
     return view._replace(required_shocks=tuple(required))
 

@@ -3,22 +3,25 @@
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Unpack
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
 from scipy.special import log_ndtr
+from typing_extensions import TypeAliasType
 
-from ...device.argument import Argument, is_flag, is_list, is_path, mapping_of
-from ...device.checks import numbers
 from ...device.device import VALUES
-from ...device.quantities import plain
-from ...solver.options import AutoOptions
-from ...study import arguments
+from ...files.text import plain, show
+from ...study.arguments import SingleStudy, pair_of
 from ...study.axes import COORDINATES
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...values.faults import at_key
+from ...values.kinds import Kind, kind_of
+from ...values.paths import ExistingPath
+from ...values.quantities import Damper
+from ...values.units import plain_numbers
 from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
 from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, log_thresholds, surface_of
@@ -33,65 +36,83 @@ NEAR = 2.0
 """Shots of which none is within this factor of a threshold do not tell anything of the device."""
 
 
-def _is_table(value):
-    columns = [value[key] for key in value] if hasattr(value, "keys") else [None]
-    return all(map(_is_column, columns))
+class TableKind(Kind):
+    """Shots: the path of a file, or columns by name."""
 
+    need = "the path of a file that exists, or columns by name"
 
-def _is_column(value):
-    return is_list(list(value) if getattr(value, "ndim", 0) == 1 else value, _is_entry)
+    def take(self, value: object) -> str | Path | Mapping[str, Sequence]:
+        """Take a path, or columns whose entries are numbers, flags, words or None."""
+        if not hasattr(value, "keys"):
+            return kind_of(ExistingPath).take(value)
+        for key in value:
+            column = value[key]
+            rows = list(column) if getattr(column, "ndim", 0) == 1 else column
+            if not isinstance(rows, list | tuple) or not all(map(_is_entry, rows)):
+                raise ValueError(f"{show(value)} is not {self.need}")
+        return value
 
 
 def _is_entry(value):
     if isinstance(value, str):
         return "\n" not in value
-    array = numbers(value)
-    return value is None or is_flag(value) or (array is not None and array.ndim == 0)
+    return value is None or isinstance(value, bool | np.bool_) or np.ndim(plain_numbers(value)) == 0
 
 
-Table = Annotated[
-    str | Path | Mapping[str, Sequence],
-    Argument(
-        "the path of a file that exists, or columns by name",
-        lambda value: _is_table(value) or is_path(value),
-    ),
-]
-Unknowns = Annotated[
-    Mapping[str, tuple[float, float]],
-    mapping_of(
-        'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}', *VALUES, "C"
-    ),
-]
+class UnknownsKind(Kind):
+    """Ranges of unknowns."""
+
+    need = 'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}'
+
+    def take(self, value: object) -> dict[str, tuple[float, float]]:
+        """Give a pair for each name."""
+        if not isinstance(value, Mapping) or not value or not {*value} <= {*VALUES, "C"}:
+            raise ValueError(f"{show(value)} is not a mapping of {self.need}")
+        pairs = {}
+        for key, ends in value.items():
+            with at_key(key):
+                pairs[key] = pair_of(key, ends)
+        return pairs
 
 
-class CalibrationOptions(arguments.RunOptions, AutoOptions, total=False):
-    """Options of `calibrate`."""
-
-    pulse: arguments.PulseSpec
-    direction: arguments.Direction
+Table = TypeAliasType("Table", Annotated[str | Path | Mapping[str, Sequence], TableKind()])
+Unknowns = TypeAliasType("Unknowns", Annotated[Mapping[str, Sequence], UnknownsKind()])
 
 
 def calibrate(
-    device: arguments.SingleDevice,
-    shots: Table,
-    unknowns: Unknowns,
-    C: arguments.Damper | None = None,
-    model: arguments.Model = "auto",
-    **options: Unpack[CalibrationOptions],
+    study: SingleStudy, shots: Table, unknowns: Unknowns, C: Damper | None = None
 ) -> xr.Dataset:
     """Estimate values of a device from measured shots, tripped or not, by maximum likelihood.
 
-    shots: path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz),
-        `tripped` (true or false), and optionally `direction`, `shape`, `file` (a record)
-    unknowns: range of each unknown, in internal units, by the name of a value of the device, or C
-    C: uN us/um; None where C is unknown
-    options: horizon, energy_tolerance, threads, pulse and direction of shots that name none, model
-        options
-    A shot trips with probability Phi(ln(N / N_first) / spread). The Dataset holds `estimate`, `low`
-    and `high` (95 % profile interval) over `unknown`, `correlation` over `unknown` and `unknown_2`,
-    the relative `spread` over `bound`, and `threshold`, `probability` and `residual` over `shot`;
-    the attribute `model_error` is the relative error of interpolated thresholds.
+    A shot trips with probability Phi(ln(N / N_first) / spread).
 
+    Parameters
+    ----------
+    study
+        Device, model, and the shock of shots that name none; or a Device.
+    shots
+        Path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz), `tripped`
+        (true or false), and optionally `direction`, `shape`, `file` (a record).
+    unknowns
+        Range of each unknown, internal units, by the name of a value of the device, or C.
+    C
+        Damping of the mass, uN us/um; None where C is unknown.
+
+    Returns
+    -------
+    Dataset
+        `estimate`, `low` and `high` (95 % profile interval) over `unknown`, `correlation` over
+        `unknown` and `unknown_2`, the relative `spread` over `bound`, and `threshold`,
+        `probability` and `residual` over `shot`; `model_error` is the relative error of
+        interpolated thresholds.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on shots that determine nothing.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     >>> shots["duration"] = [1000.0] * 6
@@ -99,11 +120,8 @@ def calibrate(
     >>> round(fitted.estimate.item(), 1)
     2.0
     """
-    study, _ = study_of(device, model, options)
-    if len(study.shocks.pulses) > 1:
-        raise ValueError("pulse: has several shapes or directions; write those of each shot")
     check_ranges(unknowns, C, study.device)
-    return calibration_of(study, shots_from(shots, study.shocks, device), unknowns, C)
+    return calibration_of(study, shots_from(shots, study.shocks, study.device), unknowns, C)
 
 
 def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> xr.Dataset:
@@ -112,7 +130,7 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     surface = surface_of(study, shots.groups, unknowns, C)
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
     asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
-    document = study.document(THRESHOLD_SETTINGS) | {"calibration": asked}
+    document = study.document(OF_THRESHOLDS) | {"calibration": asked}
     return dress("calibration", fit(shots, surface), document)
 
 
@@ -168,7 +186,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     }
     data |= {key: ("shot", values) for key, values in columns.items()}
     named = {"unknown": names, "unknown_2": names, "bound": ["estimate", "low", "high"]}
-    return xr.Dataset(data, named, {"model_error": float(_rounded(surface.error.max()))})
+    return xr.Dataset(data | {"model_error": _rounded(surface.error.max())}, named)
 
 
 def _spreads(likelihood, surface, low, high, freedom):

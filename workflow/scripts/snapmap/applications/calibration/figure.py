@@ -7,9 +7,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
-from ...device.quantities import QUANTITIES
 from ...figures.plane import POINT, TRIPPED
-from ...figures.scales import axis_label, number, scale_of, study_axis, tick
+from ...figures.scales import WORDS, axis_label, number, scale_of, study_axis, tick
 from ...figures.style import PAGE, labelled, legend, literal, note_missing
 from ...numerics.statistics import DEVIATIONS
 
@@ -72,8 +71,8 @@ def calibration_text(data: xr.Dataset) -> str:
     """Write the estimates with their intervals, and the spread."""
     words = []
     for name in data.unknown.values:
-        unknown, quantity = data.sel(unknown=name), QUANTITIES[name]
+        unknown, (known_as, unit) = data.sel(unknown=name), WORDS[name]
         middle, low, high = (number(unknown[key].item()) for key in ("estimate", "low", "high"))
-        words.append(f"{quantity.words} {middle} {quantity.spelt.figures} ({low} to {high})")
+        words.append(f"{known_as} {middle} {unit} ({low} to {high})")
     spread = number(100 * data.spread.sel(bound="estimate").item(), 2)
     return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

@@ -1,44 +1,79 @@
 """The section `calibration`: measured shots, and the unknowns that they determine."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...config.devices import of_device
-from ...config.keys import Section, inside, part, path, quantity, words
-from ...device.device import Device
-from ...device.quantities import KINDS
-from ...files.named import sha256_of
+from ...config.kinds import StudyPath
+from ...device.device import VALUES, Device
+from ...files.named import inside, sha256_of
 from ...files.tables import ROWS
+from ...files.text import describe
 from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
+from ...study.axes import KIND_OF
+from ...values.faults import Faults, line_at
+from ...values.kinds import Kind, Quantity
+from ...values.quantities import Damper
+from ...values.records import record, row_of_kinds, told
 from .shots import Shots, check_ranges, read_shots, shots_from
 
 
-def _span(name, kind, example=""):
-    """Make the type of the range of an unknown."""
-    need = f"a pair of values: its range, each {KINDS[kind].name}"
-    return Annotated[tuple[quantity(kind), quantity(kind)], words(need, "", example, "it is known")]
+@dataclass(frozen=True)
+class RangeKind(Kind):
+    """The two ends of the range of an unknown."""
+
+    of: Quantity
+
+    @property
+    def need(self) -> str:
+        """What is right, in words that follow "is not"."""
+        return f"a pair of values: its range, each {self.of.asks}"
+
+    def read(self, value: object) -> list[float]:
+        """Read a pair of values."""
+        if not isinstance(value, list) or len(value) != 2:
+            raise ValueError(f"{describe(value)} is not {self.need}")
+        ends, faults = [], []
+        for place, end in enumerate(value):
+            try:
+                ends.append(self.of.read(end))
+            except ValueError as error:
+                faults.append(line_at((place,), str(error)))
+        if faults:
+            raise Faults(*faults)
+        return ends
+
+    def schema(self) -> dict:
+        """Describe a pair."""
+        return {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
 
 
-class UnknownsSection(of_device(_span)):
+def _range(key):
+    return Annotated[
+        list, RangeKind(KIND_OF[key])
+    ], "range of an unknown, a pair of values; known if left out"
+
+
+@record
+class UnknownsSection(row_of_kinds("Ranges", {key: _range(key) for key in (*VALUES, "C")})):
     """One to four values of the device, or C, with the range of each."""
 
-    C: _span("C", "damper", "[1 uN*us/um, 100 uN*us/um]")
 
-
-class CalibrationSection(Section):
+@record
+class CalibrationSection:
     """Values estimated from measured shots."""
 
-    shots: path(
-        "a CSV table in the study's folder: N, f0 (Hz) or duration (ms), tripped (yes, no), "
-        "optionally direction, shape, file (a record)",
-        "shots.csv",
-    )
-    unknowns: part(UnknownsSection)
-    C: quantity("damper", "damping of the mass in the shots", out="unknown, or that of `sweep`")
+    shots: StudyPath
+    """a CSV table: N, f0 (Hz) or duration (ms), tripped (yes, no), optionally direction, shape,
+    file (a record)"""
+    unknowns: UnknownsSection
+    """one to four values of the device, or C, with the range of each"""
+    C: Damper | None = None
+    """damping of the mass in the shots; unknown, or that of `sweep`, if left out"""
 
 
 class Calibration(NamedTuple):
@@ -61,7 +96,7 @@ def read_calibration(
 
     shocks: the first is the default of shots; C: of the sweep; a single value is the default
     """
-    unknowns = {key: list(ends) for key, ends in section.unknowns.given.items()}
+    unknowns = {key: list(ends) for key, ends in told(section.unknowns).items()}
     damping = section.C
     if damping is None and "C" not in unknowns and C.size == 1:
         damping = float(C[0])
@@ -70,8 +105,8 @@ def read_calibration(
     check_ranges(unknowns, damping, device)
     files = {section.shots: sha256_of(section.shots, *ROWS)}
     table = read_shots(section.shots, files[section.shots], N_of_g(device.gravity))
-    for record in table.get("file", []):
-        if record and record not in files:
-            files[record] = sha256_of(inside(record), *RECORD)
+    for file in table.get("file", []):
+        if file and file not in files:
+            files[file] = sha256_of(inside(file), *RECORD)
     shots = shots_from(table, shocks.first(), device)
     return Calibration(shots, files, unknowns, damping)

@@ -2,20 +2,21 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from numbers import Number
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ...device.checks import numbers, shown, unit_of
 from ...device.device import Device, is_bistable
-from ...device.quantities import QUANTITIES
 from ...files.named import naming, read_named
 from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ...files.text import show
 from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
 from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
+from ...study.axes import KIND_OF
+from ...values.units import numbers_in, plain_numbers, unit_of
 
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
 """Columns of words in a table of shots, with the meanings of words; None accepts any word."""
@@ -76,11 +77,13 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
     Shots with a file need no N.
     """
-    for key in SHOCKS:
-        unit = QUANTITIES[key].unit
-        if key in table and unit_of(table[key]) and numbers(table[key], unit) is None:
-            raise ValueError(f"shots: {key}: {shown(table[key])} is not in {unit or 'multiples'}")
-    columns = {str(key): np.asarray(table[key]).ravel() for key in table}
+    columns = {}
+    for key in table:
+        column = _without_units(key, table[key]) if key in SHOCKS else table[key]
+        try:
+            columns[str(key)] = np.asarray(column).ravel()
+        except (ValueError, OverflowError):  # of arrays among numbers
+            raise ValueError(f"shots: {key}: {show(column)} is not a row") from None
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:
@@ -98,23 +101,44 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     return columns
 
 
+def _without_units(key, column):
+    """Convert a column, or its entries, that have a unit."""
+    unit = KIND_OF[key].unit
+    try:
+        if unit_of(column) is not None:
+            return numbers_in(column, unit)
+        if not isinstance(column, list | tuple):
+            return column
+        return [item if unit_of(item) is None else numbers_in(item, unit) for item in column]
+    except ValueError as error:
+        raise ValueError(f"shots: {key}: {show(column)} {error}") from None
+
+
 def _entry(key, row, value):
     """Convert a value of a column of shots, to a bool, text, or a number or NaN."""
     is_empty = value is None or value == "" or value != value
     if key == "tripped":
         word = value.strip().lower() if isinstance(value, str) else value
-        if word not in ANSWERS:
+        if not isinstance(word, str | Number | np.bool_) or word not in ANSWERS:
             raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
         return ANSWERS[word]
     if key in SHOTS:
         return "" if is_empty else str(value)
     try:
         number = math.nan if is_empty else float(value)
-    except (TypeError, ValueError):
-        number = 0.0
+    except (TypeError, ValueError, OverflowError):
+        number = _with_unit(key, row, value)
     if not (is_empty or 0 < number < math.inf):
         raise ValueError(f"shots, row {row}: {key}: {show(value)} is not a number above 0")
     return number
+
+
+def _with_unit(key, row, value):
+    """Convert text with a unit."""
+    try:
+        return KIND_OF[key].take(value)
+    except ValueError as error:
+        raise ValueError(f"shots, row {row}: {key}: {error}") from None
 
 
 def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
@@ -133,16 +157,17 @@ def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> S
         raise ValueError(
             f"shots: all {tripped.size} {what}; a threshold needs shots of both outcomes"
         )
-    known, keys, N = {}, [], []
+    known: dict[tuple, Group] = {}
+    keys, levels = [], []
     for i in range(tripped.size):
         row = {key: values[i] for key, values in columns.items()}
         row = {key: value for key, value in row.items() if value == value and value != ""}
         try:
             keys.append(_group(row, shocks, known))
-            N.append(_level(row, known[keys[-1]].pulse, device))
+            levels.append(_level(row, known[keys[-1]].pulse, device))
         except ValueError as error:
             raise ValueError(f"shots, row {i + 1}: {error}") from None
-    N, group = np.array(N), np.array([list(known).index(key) for key in keys])
+    N, group = np.array(levels), np.array([list(known).index(key) for key in keys])
     shots = Shots(N, tripped, group, tuple(known.values()))
     against = []
     for number in range(len(known)):
@@ -197,7 +222,7 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     if not 1 <= len(unknowns) <= MOST:
         raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")
     for key, ends in unknowns.items():
-        pair, within = numbers(ends), QUANTITIES[key].range
+        pair, within = plain_numbers(ends), KIND_OF[key].bounds
         if pair is None or pair.shape != (2,):
             raise ValueError(f"unknowns: {key}: {show(ends)} is not a pair (low, high)")
         low, high = pair
@@ -212,5 +237,5 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
         for end, side in zip(unknowns[key], ("low", "high"), strict=True):
             if not is_bistable(device, middle | {key: np.full(1, end)}, 1).all():
                 remedy = "higher" if side == "low" else "lower"
-                where = f"its {side} end, {end:g} {QUANTITIES[key].unit}; write a {remedy} one"
+                where = f"its {side} end, {end:g} {KIND_OF[key].unit}; write a {remedy} one"
                 raise ValueError(f"unknowns: {key}: no second stable shape at {where}")

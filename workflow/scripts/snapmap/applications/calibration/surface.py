@@ -63,7 +63,9 @@ def surface_of(
     return surface
 
 
-def log_thresholds(study, groups, values, C):
+def log_thresholds(
+    study: Study, groups: Sequence[Group], values: Mapping[str, np.ndarray], C: float
+) -> np.ndarray:
     """Find ln N_first, (points, groups), at values of the unknowns by name, (points,)."""
     of_device = {key: column for key, column in values.items() if key != "C"}
     bistable = is_bistable(study.device, of_device, len(next(iter(values.values()))))
@@ -76,7 +78,7 @@ def log_thresholds(study, groups, values, C):
     device = batch([study.device]).vary(middle).pick(0)
     f0, pulses = [group.f0 for group in groups], tuple(group.pulse for group in groups)
     rows = to_rows(0, f0, C, np.arange(len(pulses)), pulses)
-    settings = study.settings
+    settings = study.run
     levels = choose_levels(device, study.model, rows, settings)
     shares = {key: column / C if key == "C" else column for key, column in values.items()}
     scattered = Batch(device, shares, study.model, levels, settings.start)

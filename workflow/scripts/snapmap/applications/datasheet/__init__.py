@@ -1,40 +1,58 @@
 """A study as a data sheet.  Imports: histories, requirements, statics."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..application import Application, Files
 from ..requirements import plain_shocks, shocks_of
 
-rule, message, priority = "write_datasheet", "Write the data sheet", 30
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
-def outputs(study):
-    """The data sheet, of a study with requirements."""
-    return {"datasheet": "results/datasheet.md"} if study.requests["requirements"] else {}
+class Datasheet(Application):
+    rule, message, priority = "write_datasheet", "Write the data sheet", 30
+
+    def outputs(self, study: Config) -> Files:
+        """The data sheet, of a study with requirements."""
+        return {"datasheet": "results/datasheet.md"} if study.requests["requirements"] else {}
+
+    def inputs(self, study: Config) -> Files:
+        """Verdicts and, if values scatter, devices as made."""
+        batch = {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
+        return {"requirements": "results/requirements.csv", **batch}
+
+    def params(self, study: Config) -> dict[str, Any]:
+        """The hash of the config, which stands on the sheet, and required shocks."""
+        from ...study.provenance import config_hash
+
+        return {"config": config_hash(study.source), "requirements": plain_shocks(study)}
+
+    def run(
+        self, study: Config, requirements_path: str, path: str, tolerance_path: str = ""
+    ) -> None:
+        """Write the data sheet of each device, with verdicts and the scatter of devices as made."""
+        from contextlib import nullcontext
+
+        from ...files.atomic import write_text
+        from ...study.netcdf import open_whole
+        from ..requirements.corners import read_verdicts
+        from .datasheet import DAMPER, datasheet
+
+        verdicts = read_verdicts(requirements_path)
+        with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
+            sheet = datasheet(
+                study.of_thresholds(),
+                verdicts,
+                study.written,
+                shocks_of(study),
+                made=batches,
+                title=study.title,
+                damper=study.units.get("C", DAMPER),
+                source=study.source,
+            )
+            write_text(sheet, path)
 
 
-def inputs(study):
-    """Verdicts and, if values scatter, devices as made."""
-    batch = {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
-    return {"requirements": "results/requirements.csv", **batch}
-
-
-def params(study):
-    """The hash of the config, which stands on the sheet, and required shocks."""
-    from ...study.provenance import config_hash
-
-    return {"config": config_hash(study.source), "requirements": plain_shocks(study)}
-
-
-def run(study, requirements_path, path, tolerance_path=""):
-    """Write the data sheet of each device, with verdicts and the scatter of devices as made."""
-    from contextlib import nullcontext
-
-    from ...files.atomic import write_text
-    from ...study.netcdf import open_whole
-    from ..requirements.corners import read_verdicts
-    from .datasheet import DAMPER, datasheet
-
-    verdicts = read_verdicts(requirements_path)
-    with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
-        sheet = {"made": batches, "title": study.title, "damper": study.units.get("C", DAMPER)}
-        sheet |= {"source": study.source}
-        devices, shocks = study.of_thresholds(), shocks_of(study)
-        write_text(datasheet(devices, verdicts, study.written, shocks, **sheet), path)
+application = Datasheet()

@@ -10,20 +10,22 @@ from ...beam.equilibria import buckling_modes
 from ...beam.limit_loads import least_back, static_threshold
 from ...beam.modal import natural_frequency
 from ...device.device import Beam
-from ...device.quantities import QUANTITIES, leaves, plain
 from ...device.samples import Tolerances
-from ...files.text import DASH, table
+from ...files.text import DASH, leaves, plain, table
 from ...numerics.statistics import percents, scope
+from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
+from ...study.axes import KIND_OF
 from ...study.provenance import code_date, code_version, config_hash
+from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
-from .. import functions
+from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
 from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
-from ..statics.statics import statics
+from ..statics.statics import statics_of
 
 UNITS = {
     "toward_max": ("travel of the mass towards the beam", "um"),
@@ -32,7 +34,7 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Words and unit of each of `Extremes`."""
-DAMPER = QUANTITIES["C"].unit, 1.0
+DAMPER = KIND_OF["C"].unit, 1.0
 OUTSIDE = "outside any package: not valid"
 """Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
@@ -42,7 +44,7 @@ def datasheet(
     study: Study,
     verdicts: Sequence[Mapping],
     written: Mapping[str, Mapping],
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     title: str = "",
     damper: tuple[str, float] = DAMPER,
@@ -52,7 +54,6 @@ def datasheet(
 
     verdicts: rows of requirements.csv
     written: sections of the devices by their names, with units, as the config has them
-    requirements: mappings of name, shocks, N and f0 (Hz) of the required shocks
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
     source: the config, whose hash, axes and tolerances stand on the sheets; None for none
@@ -63,7 +64,7 @@ def datasheet(
     head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
     head += ["of devices as made", "margin", "the beam", "verdict"]
     head += ["strength over stress", "breaks"]
-    verdicts = [row | {"C": row["C"] / size} for row in verdicts]
+    verdicts = [{**row, "C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [row for row in verdicts if not several or row["device"] == name]
@@ -86,8 +87,8 @@ def datasheet(
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
-        for add in functions("in_datasheet"):
-            sheets += add(study, rows)
+        for application in attached().values():
+            sheets += application.in_datasheet(study, rows)
         if batch is not None and "yield" in batch:
             words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
             sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]
@@ -96,18 +97,20 @@ def datasheet(
 
 def _device(study, device, written):
     """Rows of code, model, support, and the values of the config."""
-    options = ", ".join(f"{key} {value}" for key, value in study.model.items() if key != "name")
+    name, *options = section_of(study.model).items()
+    words = ", ".join(f"{key} {value}" for key, value in options)
     yield ["made by", ", of ".join(filter(None, [f"snapmap {code_version()}", code_date()]))]
-    yield ["model", " ".join(filter(None, [study.model["name"], options]))]
+    yield ["model", " ".join(filter(None, [name[1], words]))]
     yield ["support", "free to tilt" if device.beam.free else "guided: the beam cannot tilt"]
     for key, text in leaves(written):
         yield [key.replace(".", ": ").replace("_", " "), text]
 
 
 def _of_config(source):
-    """Rows of the config's hash, of its axes, and of what scatters, as it has them."""
+    """Rows of the config's hash, of its runs and axes, and of what scatters, as it has them."""
     yield ["SHA-256 of its values as sorted JSON", f"{config_hash(source)}..."]
-    for key, what in (("pulse", "pulse"), ("sweep", "sweep"), ("tolerances", "devices as made")):
+    named = {"pulse": "pulse", "run": "run", "sweep": "sweep", "tolerances": "devices as made"}
+    for key, what in named.items():
         for name, value in source.get(key, {}).items():
             is_width = key == "tolerances" and name not in Tolerances._fields
             kind = ", standard deviation" if is_width and not isinstance(value, Mapping) else ""
@@ -125,15 +128,18 @@ def _written(value):
 
 def _statics(device, verdicts, damper):
     unit, size = damper
-    path, beam = statics(device), device.beam
+    path, beam = statics_of(device), device.beam
     force, error = reset_force(beam)
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
-    yield ["force that snaps the beam", f"{path.largest_force:.5g} uN"]
+    yield ["force that snaps the beam", f"{path.largest_force.item():.5g} uN"]
     yield ["force that resets it", resets]
     travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
     yield ["travel of the midpoint to the second shape", travel]
-    if "hold_force" in path.attrs:
-        yield [f"force on the electrode at {path.contact_at:g} um", f"{path.hold_force:.5g} uN"]
+    if "hold_force" in path:
+        yield [
+            f"force on the electrode at {path.contact_at.item():g} um",
+            f"{path.hold_force.item():.5g} uN",
+        ]
     yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
@@ -208,7 +214,7 @@ def _largest(study, requirements, verdicts, size):
 
     size: of the unit of C in the verdicts, uN us/um
     """
-    by_name = {required["name"]: required for required in requirements}
+    by_name = {required.name: required for required in requirements}
     shocks = [row for row in verdicts if row["requirement"] in by_name]
     stops = {"toward_max": study.device.stop_toward, "away_max": study.device.stop_away}
     free = [key for key, stop in stops.items() if np.isinf(stop)]
@@ -218,7 +224,7 @@ def _largest(study, requirements, verdicts, size):
         worst = max(shocks, key=lambda row, key=key: row[key])
         shock = by_name[worst["requirement"]]
         under = at_corner(study, shock, worst)
-        again = extremes_of(under, shock["N"], shock["f0"], worst["C"] * size, step=REPEATED_STEP)
+        again = extremes_of(under, shock.N, shock.f0, worst["C"] * size, step=REPEATED_STEP)
         value, other = worst[key], getattr(again, key)
         where = f"{worst['requirement']}, {corner_text(worst)}"
         is_outside = key in free and value > FARTHEST * study.device.beam.height

@@ -1,3 +1,5 @@
 """The value of a device that gives a threshold or meets requirements.  Imports: core alone."""
 
-public = {"design": "design"}
+from ..application import Application
+
+application = Application()

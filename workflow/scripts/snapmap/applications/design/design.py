@@ -1,26 +1,27 @@
 """Design: the value of a device that gives a threshold or meets requirements."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Annotated, NamedTuple, Unpack
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypeAliasType
 
-from ...device.argument import Argument, Positive, argument_of, as_plain
-from ...device.checks import numbers
 from ...device.device import SIGNED, VALUES, Device, batch
-from ...device.quantities import QUANTITIES, plain
 from ...device.samples import nominal_value
+from ...files.text import plain, show
 from ...pulse.shocks import Shocks
-from ...solver.options import AutoOptions
-from ...study import arguments
-from ...study.axes import COORDINATES
-from ...study.study import ANY, Study, study_of, with_shocks
+from ...study.arguments import Requirements, SingleStudy, pair_of
+from ...study.axes import COORDINATES, KIND_OF
+from ...study.shock import Shock, take_shock
+from ...study.study import ANY, Study
 from ...thresholds.population import thresholds_at
-from ...thresholds.search import near
+from ...thresholds.probe import near
+from ...values.kinds import Fitting, kind_of
+from ...values.quantities import Damper, Frequency, Positive
 
 POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""
@@ -46,71 +47,87 @@ class Design(NamedTuple):
     error: float
 
 
-def _is_pair(value):
-    pair = numbers(value)
-    return pair is not None and pair.shape == (2,) and bool(np.isfinite(pair).all())
+def _take_name(value):
+    if not isinstance(value, str) or (value != "C" and value not in VALUES):
+        raise ValueError(f"{show(value)} is not {NAME}")
+    return value
 
 
-Value = Annotated[
-    str,
-    Argument(
-        "C or the name of a value of the device, such as thickness",
-        lambda value: isinstance(value, str) and (value == "C" or value in VALUES),
-    ),
-]
-Between = Annotated[
-    tuple[float, float],
-    Argument("a pair of numbers, low and high, such as (1.8, 2.2)", _is_pair, as_plain),
-]
-
-
-class DesignOptions(arguments.ThresholdOptions, AutoOptions, total=False):
-    """Options of `design`."""
+NAME = "C or the name of a value of the device, such as thickness"
+PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
+ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _take_name)])
+Between = TypeAliasType(
+    "Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda ends: ends)]
+)
 
 
 def design(
-    device: arguments.SingleDevice,
-    value: Value,
+    study: SingleStudy,
+    value: ValueName,
     N: Positive | None = None,
-    f0: arguments.Frequency | None = None,
-    C: arguments.Damper | None = None,
+    f0: Frequency | None = None,
+    C: Damper | None = None,
+    *,
     between: Between | None = None,
-    model: arguments.Model = "auto",
-    requirements: arguments.Requirements = (),
-    **options: Unpack[DesignOptions],
+    requirements: Requirements = (),
 ) -> Design | xr.Dataset:
     """Find the value of a device, or C, at which N is the threshold, or that meets requirements.
 
-    value: name of a value of the device, or "C"
-    N, f0: multiples of g, and Hz; None with requirements
-    C: uN us/um; None where C is the value
-    between: low and high end of the searched range, internal units
-    requirements: mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must
-        hold under all its shapes and directions
-    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
-    Returns a Design, the lowest of several values with a warning. With requirements it returns a
-    Dataset of `low` and `high`, their errors, and what ends each window (`low_from`, `high_from`)
-    over `window`, and `met` over `requirement` and `tried`; without a window it warns where each
-    requirement holds.
+    Parameters
+    ----------
+    study
+        Device, model and shock; or a Device.
+    value
+        Name of a value of the device, or "C".
+    N
+        Multiples of g; None with requirements.
+    f0
+        Frequency of the pulse, Hz; None with requirements.
+    C
+        Damping of the mass, uN us/um; None where C is the value.
+    between
+        Low and high end of the searched range, internal units.
+    requirements
+        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must hold under
+        all its shapes and directions.
 
+    Returns
+    -------
+    Design or Dataset
+        A Design, the lowest of several values with a warning. With requirements a Dataset of `low`
+        and `high`, their errors, and what ends each window (`low_from`, `high_from`) over `window`,
+        and `met` over `requirement` and `tried`; without a window a warning says where each
+        requirement holds.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one where no value gives the threshold.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shock = {"N": 1100, "f0": 1500, "C": 25, "model": "cosines", "horizon": 0}
-    >>> made = snapmap.design(device, "thickness", between=(2.0, 2.2), **shock)
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> made = snapmap.design(study, "thickness", N=1100, f0=1500, C=25, between=(2.0, 2.2))
     >>> round(made.value, 1)
     2.1
     """
-    study, _ = study_of(device, model, options)
-    required = _single_shocks(with_shocks(goal, study.shocks) for goal in requirements)
-    goals = required or [{"N": N, "f0": f0, "snaps": True, "shocks": study.shocks}]
-    shock = {key: goals[0][key] for key in ("N", "f0")} | {"C": C, "between": between}
+    start = study.run.start
+    required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that design searches; leave it out")
     for key, argument in shock.items():
         if argument is None:
-            need = argument_of(design.__annotations__[key]).need
+            need = kind_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
-    if any(len(goal["shocks"].pulses) > 1 for goal in goals):
+    goals = required or [Shock(name="", N=N, f0=f0, shocks=study.shocks, snaps=True, start=start)]
+    if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
+    try:
+        between = pair_of(value, between)
+    except ValueError as fault:
+        raise ValueError(f"between: {fault}") from None
     (low, high), least = between, -np.inf if value in SIGNED else 0.0
     if not least <= low < high:
         raise ValueError(
@@ -131,13 +148,13 @@ def _single_shocks(requirements):
     """Split requirements into one for each shock; of several shocks the name tells which."""
     singles = []
     for required in requirements:
-        if required["snaps"] == ANY:
-            line = f"{required['name']}: snaps: any has no threshold; write true or false"
+        if required.snaps == ANY:
+            line = f"{required.name}: snaps: any has no threshold; write true or false"
             raise ValueError(f"requirements: {line}")
-        several = required["shocks"].each()
+        several = required.shocks.each()
         for shocks in several:
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
-            singles.append(required | {"name": f"{required['name']}{where}", "shocks": shocks})
+            singles.append(replace(required, name=required.name + where, shocks=shocks))
     return singles
 
 
@@ -146,22 +163,22 @@ def with_value(device: Device, value: str, number: float) -> Device:
     return batch([device]).vary({value: np.array([number])}).pick(0)
 
 
-def remedy(study: Study, goal: Mapping, C: float, N_first: float) -> list[tuple[str, str, float]]:
+def remedy(study: Study, goal: Shock, C: float, N_first: float) -> list[tuple[str, str, float]]:
     """Find changes of one value that bring a threshold to the right side of a required N.
 
-    study: of one device and shock; goal: as in `requirements`; N_first: the device's threshold
+    study: of one device, under the shock; N_first: the device's threshold
     Returns words, name and number of each change that works, as a simulation confirms; secants of
     logarithms find them.
     """
     nominal = {key: nominal_value(study.device, key) for key in CHANGED}
     nominal = {key: value for key, value in nominal.items() if value > 0}
-    way = -1 if goal["snaps"] else 1
-    N, shift = np.log(goal["N"]) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
+    way = -1 if goal.snaps else 1
+    N, shift = np.log(goal.N) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
     for _ in range(STEPS):
         factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
         values = {key: nominal[key] * row for key, row in zip(nominal, factors, strict=True)}
-        first, error, _ = thresholds_at(study, values, goal["f0"], C)
-        met = way * (first - goal["N"]) > error
+        first, error, _ = thresholds_at(study, values, goal.f0, C)
+        met = way * (first - goal.N) > error
         if met.all():
             break
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -182,17 +199,18 @@ def _threshold_finder(study, value, C, goals) -> Callable:
     It returns N_first, its error, and whether the goal is met, (n, m). Axes of a grid that the
     values form speed it up, as in `thresholds_at`.
     """
-    pulses = {str(i): goal["shocks"].pulses[0] for i, goal in enumerate(goals)}
-    study = replace(study, shocks=Shocks(pulses))
-    N, f0, snaps = (np.array([goal[key] for goal in goals]) for key in ("N", "f0", "snaps"))
-    starts = np.array([goal.get("start", study.settings.start) for goal in goals])
+    pulses = {str(i): goal.shocks.pulses[0] for i, goal in enumerate(goals)}
+    study = study.under(Shocks(pulses))
+    N, f0 = np.array([goal.N for goal in goals]), np.array([goal.f0 for goal in goals])
+    snaps = np.array([bool(goal.snaps) for goal in goals])  # ARRIVES snaps, too
+    starts = np.array([goal.start for goal in goals])
 
     def look(row, tried, axes=()):
         i = np.repeat(row, tried.shape[1])
         N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mask = starts[i] == start
-            started = replace(study, settings=study.settings._replace(start=str(start)))
+            started = replace(study, run=study.run.but(start=str(start)))
             values = {value: tried.ravel()[mask]}
             dampers = values.pop("C", C)
             N_first[mask], error[mask], exists[mask] = thresholds_at(
@@ -259,7 +277,7 @@ def _guess(N_first, k, N):
 
 
 def _single(value, N, grid, N_first, values, errors):
-    unit, known = QUANTITIES[value].unit, N_first[np.isfinite(N_first)]
+    unit, known = KIND_OF[value].unit, N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
         runs = f"is {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
@@ -273,7 +291,7 @@ def _single(value, N, grid, N_first, values, errors):
 
 def _windows(look, value, grid, goals, N_first, error, met):
     """The windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
-    names, N, all_met = [goal["name"] for goal in goals], [goal["N"] for goal in goals], met.all(0)
+    names, N, all_met = [goal.name for goal in goals], [goal.N for goal in goals], met.all(0)
     ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
     places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")
@@ -296,7 +314,7 @@ def _windows(look, value, grid, goals, N_first, error, met):
 
 def _contradiction(value, grid, names, met):
     """Write where each requirement is met, and where most are; met: (requirements, n)."""
-    unit, count = QUANTITIES[value].unit, met.sum(axis=0)
+    unit, count = KIND_OF[value].unit, met.sum(axis=0)
     lines = []
     for name, row in zip(names, met, strict=True):
         places = grid[row]

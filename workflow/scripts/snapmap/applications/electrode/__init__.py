@@ -1,71 +1,85 @@
 """An electrode that the beam's midpoint closes, without a force on it.  Imports: requirements."""
 
+from __future__ import annotations
 
-def kinds():
-    """The section of required shocks that must close the electrode, by keys that only it has."""
-    from .required import DEMANDS, ClosingSection
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-    return dict.fromkeys(DEMANDS, ClosingSection)
+from ..application import Application
 
-
-def described():
-    """Its section, as docs/config.md has it."""
-    from .required import ClosingSection
-
-    return {"each of requirements, with an electrode": ClosingSection}
-
-
-def request(section, study, document):
-    """None; ValueError, one line, if only some devices have an electrode."""
-    if len({bool(device.has_electrode) for device in study.devices().values()}) > 1:
-        raise ValueError(
-            "device.contact_at: only some devices have it; write it for all or for none"
-        )
-
-
-def observe(model, cells, observed, settings):
-    """The closures of each cell, by name, with their errors; empty without an electrode."""
-    from .closures import closures_again
-
-    if not model.device.has_electrode.any():
-        return {}
-    return closures_again(model, cells, observed, settings)
-
-
-def observing(model, cells, settings):
-    """The core time of two more runs of each cell, s; 0 without an electrode."""
-    from ...solver.cost import steps_and_seconds
-    from ...solver.outcome import REPEATED_STEP
-
-    if not model.device.has_electrode.any():
-        return 0.0
-    moved = steps_and_seconds(model, cells, settings._replace(until="moved"))[1]
-    return (1 + 1 / REPEATED_STEP) * moved
-
-
-def in_history(model, cells, settings):
-    """The place of the electrode, and the closures of a cell; empty without an electrode."""
-    from .closures import follow_closures
-
-    if not model.device.has_electrode:
-        return {}
-    closures = follow_closures(model, cells, cells.t_end, settings).items()
-    return {"contact_at": model.device.contact_at} | {key: value.item() for key, value in closures}
-
-
-def in_statics(device, first, displacement, force):
-    """The place of the electrode, um, and the force of the beam on it, uN; 0 without contact."""
+if TYPE_CHECKING:
     import numpy as np
 
-    if not device.has_electrode:
-        return {}
-    held = np.interp(first - device.contact_at, displacement, -force)
-    # np.maximum keeps NaN.
-    return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
+    from ...config.study import Config
+    from ...device.device import Device
+    from ...solver.cells import Cells, Observations
+    from ...solver.models import Follows
+    from ...solver.settings import Run
+    from ...study.study import Study
 
 
-def in_datasheet(study, rows):
-    """A table of the closures under the worst corner of each required shock."""
-    from .sheet import sections
+class Electrode(Application):
+    def kinds(self) -> Mapping[str, Any]:
+        """The section of shocks that must close the electrode, by keys that only it has."""
+        from .required import DEMANDS
+        from .sections import ClosingSection
 
-    return sections(study, rows)
+        return dict.fromkeys(DEMANDS, ClosingSection)
+
+    def request(self, section: Any, study: Config, document: Any) -> Any:
+        """None; ValueError, one line, if only some devices have an electrode."""
+        if len({bool(device.has_electrode) for device in study.devices().values()}) > 1:
+            raise ValueError(
+                "device.contact_at: only some devices have it; write it for all or for none"
+            )
+
+    def observe(
+        self, model: Follows, cells: Cells, observed: Observations, settings: Run
+    ) -> dict[str, np.ndarray]:
+        """The closures of each cell, by name, with their errors; empty without an electrode."""
+        from .closures import closures_again
+
+        if not model.device.has_electrode.any():
+            return {}
+        return closures_again(model, cells, observed, settings)
+
+    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
+        """The core time of two more runs of each cell, s; 0 without an electrode."""
+        from ...solver.cost import steps_and_seconds
+        from ...solver.outcome import REPEATED_STEP
+
+        if not model.device.has_electrode.any():
+            return 0.0
+        moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
+        return (1 + 1 / REPEATED_STEP) * moved
+
+    def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, Any]:
+        """The place of the electrode, and the closures of a cell; empty without an electrode."""
+        from .closures import follow_closures
+
+        if not model.device.has_electrode:
+            return {}
+        closures = follow_closures(model, cells, cells.t_end, settings)
+        values = {key: value.item() for key, value in closures.items()}
+        return {"contact_at": model.device.contact_at, **values}
+
+    def in_statics(
+        self, device: Device, first: float, displacement: np.ndarray, force: np.ndarray
+    ) -> dict[str, Any]:
+        """Place of the electrode, um, and the force of the beam on it, uN; 0 without contact."""
+        import numpy as np
+
+        if not device.has_electrode:
+            return {}
+        held = np.interp(first - device.contact_at, displacement, -force)
+        # np.maximum keeps NaN.
+        return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
+
+    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> list[str]:
+        """A table of the closures under the worst corner of each required shock."""
+        from .sheet import sections
+
+        return sections(study, rows)
+
+
+application = Electrode()

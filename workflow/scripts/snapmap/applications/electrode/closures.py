@@ -9,9 +9,9 @@ import numpy as np
 from ...numerics.linalg import dot
 from ...solver import simd_loop
 from ...solver.cells import Cells, Observations
-from ...solver.models import Follows, Model, deciders
+from ...solver.models import Follows, deciders
 from ...solver.outcome import REPEATED_STEP
-from ...solver.settings import FIRST, Settings
+from ...solver.settings import FIRST, Run
 
 APART = 4.0
 """Error over the difference to another step. Second order gives 1/(1 - 0.75^2) = 2.3; this factor
@@ -64,7 +64,7 @@ def passages(w: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 # ASSUME: the electrode neither stops nor holds the beam, so it bounces as the free beam rings.
 def follow_closures(
-    model: Model, cells: Cells, window: np.ndarray, settings: Settings
+    model: Follows, cells: Cells, window: np.ndarray, settings: Run
 ) -> dict[str, np.ndarray]:
     """Follow cells, (cells,), in the time steps of histories, each for its window, us.
 
@@ -79,7 +79,7 @@ def follow_closures(
 def _follow(model, cells, window, settings):
     start, size = settings.start, len(model.device)
     at_start = np.broadcast_to(dot(model.modal.midpoint, model.rest(start)), size)[cells.device]
-    dt = model.time_steps(cells, settings._replace(until="moved"))
+    dt = model.time_steps(cells, settings.but(until="moved"))
     ways = np.broadcast_to(model.device.contact_at - model.barrier.first, size)[cells.device]
     steps = np.ceil(window / dt).astype(np.int64) + 1
     closures = np.empty((len(Closures._fields), dt.size))
@@ -104,7 +104,7 @@ def _follow(model, cells, window, settings):
 
 
 def closures_again(
-    model: Follows, cells: Cells, observed: Observations, settings: Settings
+    model: Follows, cells: Cells, observed: Observations, settings: Run
 ) -> dict[str, np.ndarray]:
     """Follow cells of any shape again, each at the level and the step that decided it.
 

@@ -1,91 +1,69 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ...config.keys import quantity
-from ...config.shocks import PulseSection
-from ...solver.settings import SECOND
-from ...study.study import ARRIVES, Study
+from ...study.study import Study
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
-from ..requirements.required import RequiredShock
-from ..requirements.sections import ShockSection
+from ..requirements.required import Judged, RequiredShock
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 DEMANDS = "closes_within", "stays_closed"
 """Keys of a required closing."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RequiredClosing(RequiredShock):
-    """A required shock, with one or both of DEMANDS, us, among its values."""
+    """A required shock that must close the electrode, with one or both of DEMANDS, us."""
 
-    more = "closing"
+    more: ClassVar[str] = "closing"
+    closes_within: float | None = None
+    stays_closed: float | None = None
 
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge the shock, then its closures; further columns hold these with their margins."""
-        return [judge_closing(*judged, self.values) for judged in super().check(study, C)]
+        demands = self.closes_within, self.stays_closed
+        return [judge_closing(*judged, *demands) for judged in super().check(study, C)]
 
     def require(self, study: Study) -> None:
         """Raise ValueError if the devices lack an electrode, strength or frame."""
         if not any(device.has_electrode for device in study.devices().values()):
-            closing = next(key for key in DEMANDS if key in self.values)
+            closing = DEMANDS[0] if self.closes_within else DEMANDS[1]
             need = "write the place of the electrode, such as '-5 um'"
             raise ValueError(f"device.contact_at: missing, but {closing} needs it; {need}")
         super().require(study)
 
 
-class ClosingSection(ShockSection):
-    """A shock under which the device must close its electrode.
-
-    `snaps: true` counts as `arrives`.
-    """
-
-    kind = RequiredClosing
-    closes_within: quantity(
-        "pulse", "longest time from the start of the shock until the beam closes", out="any time"
-    )
-    stays_closed: quantity("pulse", "least time until the beam opens again", out="any time")
-
-    def make(self) -> None:
-        """Nothing by itself; ValueError for what cannot be in any study."""
-        if self.snaps is False or self.start == SECOND:
-            closing = next(key for key in DEMANDS if self.has(key))
-            more = ", and no start" if self.start else ""
-            need = f"write snaps: true or any{more}"
-            raise ValueError(f".{closing}: needs a device that must trip; {need}")
-        super().make()
-
-    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredClosing:
-        """Make the requirement of a study, as for any shock, with its DEMANDS."""
-        required = super().under(pulse, gravity)
-        if self.snaps is True:  # DEMANDS say how long it must stay
-            required.values["snaps"] = ARRIVES
-        required.values.update({key: self.given[key] for key in DEMANDS if self.has(key)})
-        return required
-
-
 def judge_closing(
-    verdict: Verdict, closing: Mapping[str, float], required: Mapping
+    verdict: Verdict,
+    closing: Mapping[str, float],
+    closes_within: float | None = None,
+    stays_closed: float | None = None,
 ) -> tuple[Verdict, dict[str, float]]:
     """Add the closures of an electrode to a verdict.
 
-    closing: CLOSING by name; required: with one or both of DEMANDS, us
+    closing: CLOSING by name; closes_within, stays_closed: one or both of DEMANDS, us
     Returns the worst verdict, and the closures with `closes_margin`, closes_within over t_closed,
     and `stays_margin`, closed_for over stays_closed; NaN if the electrode never closes.
     """
     outcomes, margins = [verdict.verdict], {}
-    if limit := required.get("closes_within"):
+    if closes_within:
         closed = closing["t_closed"]
-        outcomes.append(_kept(limit - closed, closing["t_closed_error"], verdict))
-        margins["closes_margin"] = limit / closed
-    if limit := required.get("stays_closed"):
+        outcomes.append(_kept(closes_within - closed, closing["t_closed_error"], verdict))
+        margins["closes_margin"] = closes_within / closed
+    if stays_closed:
         closed = closing["closed_for"]
-        kept = _kept(closed - limit, closing["closed_for_error"], verdict)
+        kept = _kept(closed - stays_closed, closing["closed_for_error"], verdict)
         # A contact that is closed at the end of the run may stay closed beyond it.
         outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
-        margins["stays_margin"] = closed / limit
+        margins["stays_margin"] = closed / stays_closed
     worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
-    return verdict._replace(verdict=worst), closing | margins
+    return verdict._replace(verdict=worst), {**closing, **margins}
 
 
 def _kept(slack, error, verdict):

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ...device.quantities import plain
-from ...files.text import table
+from ...files.text import plain, table
 from ...study.study import Study
 from ..requirements.corners import corner_text
 
@@ -23,7 +22,7 @@ def sections(study: Study, rows: Sequence[Mapping]) -> list[str]:
     closed = [row for row in rows if np.isfinite(row.get("t_closed", np.nan))]
     if not closed:
         return []
-    horizon = plain(study.settings.horizon / 1e3)
+    horizon = plain(study.run.horizon / 1e3)
     words = f"The electrode, to {horizon} ms after a shock:\n"
     return [words, table(["what", "value", "error", "under"], _values(closed))]
 

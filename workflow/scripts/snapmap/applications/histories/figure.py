@@ -17,17 +17,17 @@ FINE = 0.5
 def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
     """Draw w(L/2) and z_M, the contact force and the pulse on three axes over time in ms."""
     positions, force, shock = axes
-    time, second = history.time / 1e3, history.second_equilibrium
+    time, second = history.time / 1e3, history.second_equilibrium.item()
     beam = {"color": BEAM, "linewidth": FINE, "label": "midpoint of the beam $w(L/2)$"}
     positions.plot(time, history.w_mid, **beam)
     if history.z_mass.notnull().any():
         positions.plot(time, history.z_mass, color=MASS, label="mass $z_M$")
     look = {"color": AID, "linestyle": "--", "label": "second shape at rest $w_2$"}
     positions.axhline(second, **look)
-    if "contact_at" in history.attrs:
+    if "contact_at" in history:
         look = {"color": BEAM, "linestyle": ":", "label": "electrode"}
         positions.axhline(history.contact_at, **look)
-    stops = [history.attrs[key] for key in ("stop_toward", "stop_away") if key in history.attrs]
+    stops = [history[key] for key in ("stop_toward", "stop_away") if key in history]
     for stop, label in zip(stops, ["stop of the mass", None], strict=False):
         positions.axhline(stop, color=MASS, linestyle="-.", linewidth=FINE, label=label)
     positions.set_ylabel("position (µm)")
@@ -40,7 +40,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         shock.plot(time, history.acceleration / history.gravity, color=MASS)
         shock.set_ylabel(f"acceleration\n({style.multiples(history.attrs)})")
     shock.set_xlabel("time after the start of the pulse (ms)")
-    snap = history.t_snap / 1e3
+    snap = history.t_snap.item() / 1e3
     shown = history.w_mid, history.contact_force, shock.lines[0].get_ydata()
     for ax, values in zip(axes, shown, strict=True):
         style.note_missing(ax, values, "the run failed")
@@ -49,7 +49,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
             ax.axvline(snap, color=AID, linestyle=":")
     if not math.isnan(snap):
         dot = {"linestyle": "", "marker": "o", "color": "black", "markeredgecolor": "white"}
-        at = history.attrs.get("first_equilibrium", second)
+        at = history.get("first_equilibrium", second)
         positions.plot(snap, at, **dot, label=f"snap at {snap:.4g} ms")
     positions.figure.align_ylabels(axes)
     style.legend(positions.figure, positions.get_legend_handles_labels()[0], _caption(history), 5)
@@ -58,9 +58,9 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
 
 def _caption(history):
     """The shock, the model and, if known, the errors that the time step makes."""
-    shock = (value_text(key, history.attrs[key]) for key in ("N", "f0", "C"))
+    shock = (value_text(key, history[key].item()) for key in ("N", "f0", "C"))
     words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
-    work, snap = (history.attrs.get(key, math.nan) for key in ("work_error", "t_snap_error"))
+    work, snap = (history[key].item() for key in ("work_error", "t_snap_error"))
     if math.isnan(work):
         return words
     words += f"\nerror by the time step: {number(100 * work, 2)} % of the work of the pulse"

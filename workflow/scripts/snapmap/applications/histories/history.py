@@ -3,7 +3,7 @@
 import math
 import warnings
 from dataclasses import replace
-from typing import NamedTuple, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -11,20 +11,22 @@ import xarray as xr
 from ...beam.modal import contact_stiffness
 from ...beam.stress import stress_of
 from ...device.device import Device
-from ...device.quantities import plain
+from ...files.text import plain
 from ...numerics.linalg import dot, multiply
 from ...pulse.pulse import blow_at
 from ...solver.adaptive import choose_model
-from ...solver.cells import Cells, to_cells
+from ...solver.cells import Cells, Observations, to_cells
 from ...solver.cost import steps_and_seconds, tell
+from ...solver.kernel.tables import look_up
 from ...solver.models import Model
-from ...solver.options import AutoOptions
-from ...solver.outcome import OUTCOMES, label
-from ...solver.settings import FIRST, Settings
-from ...study import arguments
+from ...solver.options import section_of
+from ...solver.outcome import label
+from ...solver.settings import FIRST, Run
+from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
-from ...study.study import Study, study_of
+from ...study.study import Study
 from ...study.variables import dress
+from ...values.quantities import Amplitude, Damper, Frequency
 from .. import merge
 
 SAMPLES = 4000
@@ -44,49 +46,51 @@ FARTHEST = 5.0
 valid, and warned of."""
 
 
-class HistoryOptions(AutoOptions, total=False):
-    """Options of `simulate`."""
-
-    horizon: arguments.Horizon
-    energy_tolerance: arguments.EnergyTolerance
-    start: arguments.Start
-    pulse: arguments.PulseSpec
-    direction: arguments.Direction
-
-
-def simulate(
-    device: arguments.SingleDevice,
-    N: arguments.Amplitude,
-    f0: arguments.Frequency | None,
-    C: arguments.Damper,
-    model: arguments.Model = "auto",
-    **options: Unpack[HistoryOptions],
-) -> xr.Dataset:
+def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) -> xr.Dataset:
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
-    model: `auto` takes its finest level
-    options: horizon, energy_tolerance, start, pulse, direction, model options;
-        `energy_tolerance` only sets the time step
-    All attributes are of the motion shown, in its steps, shorter than those of a sweep: `outcome`
-    (a word), `t_snap` (us, NaN without a snap), `blow`, the closures of an electrode; the largest
-    `toward_max`, `away_max` (travel of the mass from rest, um), `contact_force_max` (uN),
-    `stress_max`, `stress_max_to_snap` (MPa). The errors that the time step makes, `work_error`
-    (relative) and `t_snap_error` (us), are SAFETY times the spread of runs in 1, 3/4 and 1/2 of it.
+    Of the model `auto` the finest level follows; `energy_tolerance` only sets the time step.
 
+    Parameters
+    ----------
+    study
+        Device, model, shock, and how the cell is followed; or a Device.
+    N
+        Amplitude of the shock, multiples of g.
+    f0
+        Frequency of the pulse, Hz; None for a recorded shock.
+    C
+        Damping of the mass, uN us/um.
+
+    Returns
+    -------
+    Dataset
+        The motion over `time` (us). Variables without dimension are of this motion, whose steps are
+        shorter than those of a sweep: `outcome` (a code, as in a cube), `t_snap` (us, NaN without a
+        snap), `blow`, the closures of an electrode; the largest `toward_max`, `away_max` (travel of
+        the mass from rest, um), `contact_force_max` (uN), `stress_max`, `stress_max_to_snap` (MPa).
+        The errors that the time step makes, `work_error` (relative) and `t_snap_error` (us), are
+        four times the spread of runs in 1, 3/4 and 1/2 of it.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one if the study has several devices or shocks.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> run = snapmap.simulate(device, 1100, 1500, 25, model="cosines", horizon=0)
-    >>> run.outcome, round(run.t_snap)
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
+    >>> snapmap.words(run.outcome).item(), round(run.t_snap.item())
     ('snapped', 365)
     """
-    study, cell = study_of(device, model, options, N=N, f0=f0, C=C)
-    return history_of(study, **cell)
+    return history_of(study, N, study.shocks.own_frequency() if f0 is None else f0, C)
 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
-    if study.shocks.axes:
-        raise ValueError("pulse: has several shapes or directions; write one of each")
-    device, settings = study.device, study.settings._replace(until="moved")
+    device, settings = study.device, study.run.but(until="moved")
     built, cells, observed = _cell(study, N, f0, C)
     outcome = label(*observed[:4], settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
@@ -94,35 +98,32 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     document = {
         **device_sections(device),
         **study.shocks.section(),
-        "model": dict(study.model),
+        "model": section_of(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
     }
     optional, rest = {}, built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
     if settings.start != FIRST:
-        document["sweep"] = {"start": settings.start}
+        document["run"] = {"start": settings.start}
         optional["first_equilibrium"] = built.barrier.first
     optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
     if cells.pulses[0].blows.size:
         optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
-    optional |= merge("in_history", built, cells, settings)
-    return dress(
-        "history",
-        xr.Dataset({key: ("time", column) for key, column in values.items()}),
-        document,
-        N=N,
-        f0=f0,
-        C=C,
-        second_equilibrium=built.barrier.second,
-        barrier=built.barrier.energy,
-        gravity=device.gravity,
-        time_step=dt,
-        outcome=OUTCOMES[outcome],
-        t_snap=observed.t_snap.item(),
+    optional |= merge(lambda part: part.in_history(built, cells, settings))
+    single = {
+        "second_equilibrium": built.barrier.second,
+        "barrier": built.barrier.energy,
+        "gravity": device.gravity,
+        "time_step": dt,
+        "outcome": np.int8(outcome),
+        "t_snap": observed.t_snap.item(),
         **extremes._asdict(),
         **optional,
         **{key: error.item() for key, error in errors_of(built, cells, settings).items()},
-    )
+    }
+    curves = {key: ("time", column) for key, column in values.items()}
+    shock = {"N": float(N), "f0": float(f0), "C": float(C)}
+    return dress("history", xr.Dataset(curves | single, shock), document)
 
 
 class Extremes(NamedTuple):
@@ -147,22 +148,23 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     step: time step over the default one
     """
     built, cells, _ = _cell(study, N, f0, C)
-    return _record(built.with_step(step), cells, study.settings, samples=1)[-1]
+    return _record(built.with_step(step), cells, study.run, samples=1)[-1]
 
 
 def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
     """Find the extremes of one cell, and what other applications add to its history, by name."""
     built, cells, _ = _cell(study, N, f0, C)
-    extremes = _record(built, cells, study.settings, samples=1)[-1]
-    return extremes._asdict() | merge("in_history", built, cells, study.settings)
+    extremes = _record(built, cells, study.run, samples=1)[-1]
+    added = merge(lambda part: part.in_history(built, cells, study.run))
+    return extremes._asdict() | added
 
 
-def _cell(study, N, f0, C):
+def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
-    horizon, pulses = study.settings.horizon, study.shocks.pulses
+    horizon, pulses = study.run.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
-    model = choose_model(study.device, study.model, study.settings.start).levels[-1]
-    moved = study.settings._replace(until="moved")
+    model = choose_model(study.device, study.model, study.run.start).levels[-1]
+    moved = study.run.but(until="moved")
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     observed = model.follow(cells, moved)
@@ -176,7 +178,7 @@ def _record(built, cells, settings, samples):
     """
     from .motion import record  # imported when a run begins: a plan needs no compiler
 
-    dt = built.time_steps(cells, settings._replace(until="moved")).item()
+    dt = built.time_steps(cells, settings.but(until="moved")).item()
     amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
     steps = int(np.ceil(t_end / dt))
     stride = 1 << (max(1, int(steps / samples)).bit_length() - 1)
@@ -189,7 +191,7 @@ def _record(built, cells, settings, samples):
     largest, to_snap, snapped = np.array([0.0, 0.0, 0.0, -np.inf]), -np.inf, False
     kept, done, last = [], 0, np.empty((2, 0))
     for motion in motions:
-        values = _observe(device, first, form, stress, motion, built.laws)
+        values = _observe(device, first, form, stress, motion, built)
         y = values["z_mass"] - rest
         force = math.nan if device.is_alone else values["contact_force"].max()
         largest = np.maximum(largest, [-y.min(), y.max(), force, values["stress"].max()])
@@ -222,12 +224,12 @@ def _stress_to(target, w, stress):
     return np.maximum(stress[:i].max(), at_snap), True
 
 
-def errors_of(model: Model, cells: Cells, settings: Settings) -> dict[str, np.ndarray]:
+def errors_of(model: Model, cells: Cells, settings: Run) -> dict[str, np.ndarray]:
     """Find `work_error`, relative, and `t_snap_error`, us, of the motion of cells, (cells,).
 
     NaN where not all runs know the work, or snap.
     """
-    moved = settings._replace(until="moved")
+    moved = settings.but(until="moved")
     models = [model.with_step(share) for share in ERROR_STEPS]
     runs = onward = [each.follow_once(cells, moved) for each in models]
     if model.name == "reference":  # no snap is to end a run before its pulse is over
@@ -241,16 +243,19 @@ def errors_of(model: Model, cells: Cells, settings: Settings) -> dict[str, np.nd
     }
 
 
-def _observe(device, first, form, stress, motion, laws):
+def _observe(device, first, form, stress, motion, built):
     """Deflections, forces and energies from the coordinates; first: w(L/2) at rest, um.
 
     Under a user's own law of beam or contact, what the law does not tell is NaN.
     """
-    velocity = motion.u_velocity
+    velocity, laws, tables = motion.u_velocity, built.laws, built.tables
     stiffness = contact_stiffness(device, form.residual)
     overlap = dot(motion.u, form.midpoint) - motion.y - device.gap
     contact = stiffness * np.maximum(0.0, overlap)
-    if laws and laws.contact:
+    stored = contact**2 / (2 * stiffness)
+    if tables and tables.contact[0]:
+        stored, contact = look_up(tables.values[tables.contact[0]], tables.reach[0], overlap)
+    elif laws and laws.contact:
         contact = np.array([laws.contact(device.contact, s) for s in overlap.tolist()])
     axial_force = -device.beam.axial_stiffness * motion.stretch
     rest = math.nan if device.is_alone else first + device.gap
@@ -266,11 +271,11 @@ def _observe(device, first, form, stress, motion, laws):
         "spring_energy": device.spring * motion.y**2 / 2,
         "bending_energy": dot(motion.u, multiply(motion.u, form.bending)) / 2,
         "axial_energy": axial_force**2 / (4 * device.beam.axial_stiffness),
-        "contact_energy": contact**2 / (2 * stiffness),
+        "contact_energy": stored,
     }
     of_beam = "axial_force", "stress", "bending_energy", "axial_energy"
     unknown = of_beam if laws and laws.force else ()
-    unknown += ("contact_energy",) if laws and laws.contact else ()
+    unknown += ("contact_energy",) if laws and laws.contact and not tables else ()
     return values | {key: values[key] + math.nan for key in unknown}
 
 
@@ -286,6 +291,7 @@ def warn_of_travel(rises: float, where: str = "") -> None:
     if rises > FARTHEST:
         warnings.warn(
             f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
-            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stops",
+            f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stop_toward, "
+            "device.stop_away or both",
             stacklevel=3,
         )

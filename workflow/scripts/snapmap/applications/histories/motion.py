@@ -1,15 +1,19 @@
 """The motion of one cell at every step, by the loop of its model."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from ...numerics.linalg import dot, multiply
-from ...pulse.pulse import table
+from ...pulse.pulse import Pulse, table
 from ...solver.kernel import rows as R
 from ...solver.kernel.lanes import load
 from ...solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 from ...solver.kernel.trace import keep_block
+from ...solver.lane_laws import raise_error
+from ...solver.ledger import CellRun
+from ...solver.models import Model
 from ...solver.plain_loop import follower, starting
 from ...solver.settings import FIRST
 from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
@@ -49,7 +53,16 @@ class Form(NamedTuple):
     shapes: np.ndarray
 
 
-def record(model, pulse, amplitude, f0, damping, dt, steps, start=FIRST):
+def record(
+    model: Model,
+    pulse: Pulse,
+    amplitude: float,
+    f0: float,
+    damping: float,
+    dt: float,
+    steps: int,
+    start: str = FIRST,
+) -> tuple[Form, Iterator[Motion]]:
     """Follow one cell as a sweep does, bit for bit, and record every step.
 
     model: of one device; dt: us
@@ -105,14 +118,15 @@ def _pairs(model, lanes, pulses, pulse_state, steps):
             set_out(lanes[0], shocks, pulse_state, pulses)
             block = slice(step, step + BLOCK)
             keep_block(*lanes, shocks, before[block], after[block])
+        raise_error(model.laws, lanes[2])
         yield first, before.T, after.T
 
 
 def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
-    run = system, pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history
-    follower(model.laws)(*run)
+    run = CellRun(pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    follower(model.laws)(system, run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,

@@ -22,7 +22,7 @@ def follow_near(study: Study, grid: Grid, N: Sequence[float]) -> list[Observatio
 
     Returns observations, (rows, N), of each step.
     """
-    settings = study.settings._replace(until="settled")
+    settings = study.run.but(until="settled")
     cells, runs = rows_of(grid).cells(grid.device, N, settings.horizon), []
     model = choose_model(grid.device, study.model, settings.start)
     for step in STEPS:

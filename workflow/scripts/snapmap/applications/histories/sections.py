@@ -1,41 +1,44 @@
 """The section `histories`: cells whose motion is kept in full."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...config.devices import of_device
-from ...config.keys import argument, in_list, quantity
 from ...config.shocks import one_time
-from ...config.units import show
 from ...config.views import frequency_of
-from ...device.argument import Argument
 from ...device.device import VALUES, Device, batch
-from ...files.text import exact, stem_of
-from ...study.axes import DEVICE
+from ...files.text import describe, exact, stem_of
+from ...study.axes import DEVICE, KIND_OF
+from ...values.faults import at_key
+from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
+from ...values.records import record, row_of_kinds, told
 
 
-def _changed(name, kind):
-    return quantity(kind, "in place of the device's", out="the device's own")
+def _changed(key):
+    return Annotated[float | str, KIND_OF[key]], "value in place of the device's own"
 
 
-class CellSection(of_device(_changed)):
+@record
+class CellSection(row_of_kinds("Changes", {key: _changed(key) for key in VALUES})):
     """A cell whose time history is drawn."""
 
-    N: quantity("number", "peak of the shock over gravity")
-    f0: quantity("frequency", "1/duration of the shock", out="required, or `duration`")
-    duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
-    C: quantity("damper", "damping of the mass")
-    device: argument(
-        Argument("the name of one of the devices", lambda name: isinstance(name, str)),
-        out="the first",
-    )
+    N: Amplitude | None = None
+    """peak of the shock over gravity"""
+    f0: Frequency | None = None
+    """1/duration of the shock; required, or `duration`"""
+    duration: PulseTime | None = None
+    """duration of the shock; replaces f0"""
+    C: Damper | None = None
+    """damping of the mass"""
+    device: str | None = None
+    """name of one of the devices; the first if left out"""
 
     @classmethod
-    def beside(cls, written: Mapping) -> dict[tuple, str]:
-        """One of f0 and duration is there."""
-        return one_time(written)
+    def beside(cls, written: Mapping) -> dict[str, str]:
+        """Find keys that are missing, or that exclude each other."""
+        needs = {key: f"missing; write {KIND_OF[key].asks}" for key in ("N", "C")}
+        return {key: need for key, need in needs.items() if key not in written} | one_time(written)
 
 
 class History(NamedTuple):
@@ -70,7 +73,7 @@ def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
         name = next(iter(device)) if name is None else name
         if name not in device:
             known = ", ".join(device)
-            raise ValueError(f"no device is called {show(name)}; write one of {known}")
+            raise ValueError(f"no device is called {describe(name)}; write one of {known}")
         device = device[name]
     elif name is not None:
         raise ValueError("device: the study has a single device; leave it out")
@@ -90,11 +93,9 @@ def read_cells(
     """Take the cells of a config; raises ValueError, one line, for an invalid cell."""
     cells = {}
     for place, section in enumerate(sections):
-        try:
-            cell = read_cell(section.given, device)
+        with at_key(place):
+            cell = read_cell(told(section), device)
             if cell.name in cells:
                 raise ValueError(f"{cell.name} is there already; leave it out")
-        except ValueError as error:
-            raise ValueError(in_list(place, str(error))) from None
         cells[cell.name] = cell
     return tuple(cells.values())

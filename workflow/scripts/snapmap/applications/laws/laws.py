@@ -7,15 +7,15 @@ from ...beam.basis import Basis
 from ...beam.equilibria import saddle_and_second, shapes_of
 from ...beam.modal import unit_beams
 from ...device.device import Beam
-from ...device.quantities import plain
+from ...files.text import plain
 from ...numerics.linalg import apply, dot, eigenvalues, eigh, outer
 from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...study.axes import Grid
-from ...study.study import THRESHOLD_SETTINGS, Study
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...thresholds.search import asker, lowest_snap
+from ...thresholds.probe import Probe, lowest_snap
 from ...thresholds.slow import HOLDS
 
 LN_10 = 2.302585092994046
@@ -41,7 +41,7 @@ def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
     rates = saddle_rates(beam := device.pick(0).beam, shapes_of(beam))
     snaps = ("C", "f0"), _snap_scales(study, device, grid.pulses[0], thresholds)
     laws = laws.assign(saddle_scale=("saddle", 1 / rates), snap_scale=snaps)
-    return dress("laws", laws, study.document(THRESHOLD_SETTINGS))
+    return dress("laws", laws, study.document(OF_THRESHOLDS))
 
 
 def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
@@ -72,9 +72,10 @@ def _snap_scales(study, device, pulse, thresholds):
     N, error = (thresholds[key].values.ravel() for key in ("N_first", "N_error"))
     known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
     rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
-    model = choose_survey(device, study.model, study.settings.start).levels[-1].decides
-    exact = lowest_snap(model, rows, (N - off, N + off), study.settings, EXACT, STEP)
-    t_snap = asker(model, rows, study.settings)(np.multiply.outer(exact, 1 + ABOVE))
+    model = choose_survey(device, study.model, study.run.start).levels[-1].decides
+    probe = Probe(model, rows, study.run)
+    exact = lowest_snap(probe, (N - off, N + off), EXACT, STEP)
+    t_snap = probe(np.multiply.outer(exact, 1 + ABOVE))
     away = (np.arange(ABOVE.size) - (ABOVE.size - 1) / 2) / 2  # decades
     scales[known] = np.sum(t_snap * away, axis=1) / (np.sum(away * away) * LN_10)
     return scales.reshape(thresholds.C.size, -1)

@@ -1,41 +1,59 @@
 """The page to explore a study in a browser.  Imports: requirements."""
 
-part = "4 Page"
-saved_in, endings = "results", ("html",)
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..application import Application, Figures, Files
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
-def drawn_from(study):
-    """Cube and thresholds, and the verdicts on required shocks."""
-    from .. import requirements
+class Page(Application):
+    part = "4 Page"
+    saved_in, endings = "results", ("html",)
 
-    cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
-    return cells | requirements.outputs(study)
+    def drawn_from(self, study: Config) -> Files:
+        """Cube and thresholds, and the verdicts on required shocks."""
+        from ..requirements import application as requirements
+
+        cells = {"cube": "results/cube.nc", "threshold": "results/threshold.nc"}
+        return {**cells, **requirements.outputs(study)}
+
+    def figures(self, study: Config) -> Figures:
+        """The page, with what the cube does not hold."""
+        from .. import gather
+
+        marks, start = gather(lambda part: part.marks(study)).values(), study.run.start
+        each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
+        required = [
+            (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
+            for shocks in marks
+            for name, f0, N, pushed in shocks
+        ]
+        shown = {"title": study.title, "pulse": study.shock, "required": required}
+        return {"explore": {"horizon": study.run.horizon, **shown}}
+
+    def draw(
+        self,
+        figures: Figures,
+        folder: str,
+        cube_path: str,
+        threshold_path: str,
+        requirements_path: str = "",
+    ) -> None:
+        """Write the page."""
+        from ...files.atomic import write_text
+        from ...study.netcdf import open_whole
+        from ..requirements.corners import read_verdicts
+        from .figure import page  # brings Plotly
+
+        with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
+            verdicts = read_verdicts(requirements_path) if requirements_path else ()
+            for name, arguments in figures.items():
+                text = page(cube, thresholds, **arguments, verdicts=verdicts)
+                write_text(text, f"{folder}/{name}.html")
 
 
-def figures(study):
-    """The page, with what the cube does not hold."""
-    from .. import gather
-
-    marks, start = gather("marks", study).values(), study.settings.start
-    each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
-    required = [
-        (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
-        for shocks in marks
-        for name, f0, N, pushed in shocks
-    ]
-    shown = {"title": study.title, "pulse": study.pulse, "required": required}
-    return {"explore": {"horizon": study.settings.horizon, **shown}}
-
-
-def draw(figures, folder, cube_path, threshold_path, requirements_path=""):
-    """Write the page."""
-    from ...files.atomic import write_text
-    from ...study.netcdf import open_whole
-    from ..requirements.corners import read_verdicts
-    from .figure import page  # brings Plotly
-
-    with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
-        verdicts = read_verdicts(requirements_path) if requirements_path else ()
-        for name, arguments in figures.items():
-            text = page(cube, thresholds, **arguments, verdicts=verdicts)
-            write_text(text, f"{folder}/{name}.html")
+application = Page()

@@ -15,17 +15,19 @@ from matplotlib.colors import to_hex
 from plotly.offline import get_plotlyjs
 
 from ...config.devices import read_device
+from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
-from ...device.device import VALUES
-from ...device.quantities import QUANTITIES, Quantity, keys_of, leaves
+from ...device.device import KINDS, STOPS, VALUES
 from ...figures import scales, states, style
+from ...files.text import leaves
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
 from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.axes import NAMES, SHOCK_AXES
+from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
+from ...values.units import SPELT, used
 from ..requirements.corners import badness, corner_text, end_text
 from .forms import LIMITS, NUMBERS, forms, pulses
 
@@ -51,6 +53,8 @@ GREY = "#999999"
 """Colour of absent cells, which printed maps leave white and hatched."""
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
+SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
+"""Symbols in the drawing of the device."""
 EDGES = ("N_first", "N_error", "N_always")
 TOO_LONG = "This shock has too many samples to be followed here; histories in the config follow it."
 OF_LAWS = "This page does not know the laws of the study, so it follows no shock."
@@ -76,7 +80,7 @@ def page(
     required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
     """
-    cells, document = thin(cube), json.loads(cube.attrs["config"])
+    cells, document = thin(cube), config_of(cube.attrs)
     dims = cells.outcome.dims
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
     named = document.get("devices", {"": document.get("device", {})})
@@ -95,7 +99,7 @@ def page(
         "shapes": STARTS if start == FIRST else STARTS[::-1],
         "devices": {name: list(_rows(device)) for name, device in devices.items()},
         "vibrations": {name: _vibration(devices[name], dampers) for name in devices},
-        "varied": [(key, _named(QUANTITIES[key])) for key in dims if key in VALUES],
+        "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
         "wide": states.WIDE,
         "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
@@ -143,8 +147,9 @@ def _simulation(cells, devices, pulse):
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
-    study = Study(device=devices.get("", devices), shocks=shocks, skip=True).part(names)
-    document = json.loads(cells.attrs["config"])
+    device = devices.get("", devices)
+    study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
+    document = config_of(cells.attrs)
     grid, start = study.set_out(axes), style.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     for pulse in known:
@@ -176,18 +181,19 @@ def _plane(cells):
 
 def _axis(cells, key):
     """An axis for the page: places of its values, texts, unit and scale."""
-    quantity, scale = QUANTITIES[key], scales.scale_of(key, cells[key].values)
+    (words, _), scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
+    unit = SPELT[KIND_OF[key].unit].page if key in KIND_OF else ""
     every = -(-scale.values.size // scales.SEVERAL)
-    label = scales.axis_label(key, cells.attrs) if key == "N" else quantity.label or quantity.words
-    lead = f"{quantity.words} ".lstrip() if key in NAMES else f"{_typeset(quantity.words)} = "
+    label = scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key]
+    lead = f"{words} ".lstrip() if key in NAMES else f"{_typeset(words)} = "
     return {
         "name": key,
         "label": _typeset(label),
-        "unit": quantity.spelt.page,
+        "unit": unit,
         "lead": lead,
         "values": scale.places.tolist(),
         "edges": scale.edges.tolist(),
-        "texts": [_say(value, quantity.spelt.page) for value in scale.values.tolist()],
+        "texts": [_say(value, unit) for value in scale.values.tolist()],
         "type": "log" if scale.is_log else "linear",
         # Names and single values have a tick each.
         "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
@@ -221,18 +227,17 @@ def _kind_of(devices):
 def _lacking(devices, dims, document):
     """Classes of the drawing: parts that no device or axis has, and a start in the second shape."""
     named = {*dims}.union(*devices.values())
-    parts = {"stops": {"stops", *keys_of("stops").values()}, "gap": {"gap"}}
+    parts = {"stops": {*STOPS}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
     return [*lacking, "second"] if style.starts(document) else lacking
 
 
 def _rows(device):
     """Yield key, words, and value with its unit for each row of the table of a device."""
-    of_key = {quantity.key: quantity for quantity in QUANTITIES.values()}
     for key, text in leaves(device):
         name = key.rpartition(".")[2]
-        quantity = of_key.get(key) or QUANTITIES.get(name) or Quantity(name)
-        yield quantity.name, _named(quantity), html.escape(quantity.used(text, typeset=True))
+        reads = KINDS[name].reads if name in KINDS else ""
+        yield name, _named(name), html.escape(used(text, reads, typeset=True))
 
 
 def _vibration(device: Mapping, C: Sequence[float] | None):
@@ -243,10 +248,10 @@ def _vibration(device: Mapping, C: Sequence[float] | None):
     ]
 
 
-def _named(quantity):
+def _named(name):
     """Write the words for a value of the device, with its symbol, as HTML."""
-    text = html.escape(quantity.words or quantity.name.replace("_", " "))
-    return f"{text} <i>{quantity.symbol}</i>" if quantity.symbol else text
+    words = scales.WORDS[name][0] if name in scales.WORDS else name.replace("_", " ")
+    return f"{html.escape(words)} <i>{SYMBOLS[name]}</i>" if name in SYMBOLS else html.escape(words)
 
 
 def _views(cells):

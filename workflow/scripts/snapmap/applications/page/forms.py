@@ -4,6 +4,7 @@ import numpy as np
 
 from ...beam.modal import contact_stiffness
 from ...solver.models import build_model
+from ...solver.options import Cosines
 from ...solver.settings import MOVE, SECOND
 from ...solver.steps import FEWEST_STEPS, PER_SWING, STRIKE_TURN
 from ...study.axes import Grid
@@ -28,7 +29,7 @@ def forms(grid: Grid, start: str) -> np.ndarray:
     A row holds NUMBERS, then kappa, S q0, f, e, the modes at the start, and S, in the names of
     docs/theory.md, then zeros.
     """
-    model = build_model(grid.device, "cosines", modes=COSINES)
+    model = build_model(grid.device, Cosines(modes=COSINES))
     table = np.zeros((len(grid.device), 0))
     for members, part in model.split(np.arange(len(grid.device))):
         rows = _rows(part, start)[members]

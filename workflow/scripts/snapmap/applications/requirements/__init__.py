@@ -1,120 +1,117 @@
 """Shocks that must or must not trip a device.  Imports: histories, design."""
 
-rule, message = "check_requirements", "Check the required shocks"
-part, threads, priority = "5 Requirements", 4, 50
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
+
+from ..application import Application, Figures, Files, Mark
+
+if TYPE_CHECKING:
+    from ...config.study import Config
+    from .required import RequiredShock
 
 
-def section():
-    """A list of requirements of each kind that an application has."""
-    from ...config.keys import many
-    from .. import merge
-    from .sections import requirement
+def shocks_of(study: Config) -> list[RequiredShock]:
+    """The required shocks of a study."""
+    from .required import RequiredShock
 
-    return many(requirement(merge("kinds")), "a list of shocks", out="none")
-
-
-def described():
-    """Its sections, as docs/config.md has them."""
-    from .sections import ShockSection
-
-    return {"each of requirements": ShockSection}
-
-
-def request(sections, study, document):
-    """The requirements, by unique names; ValueError, one line, for what the study cannot have."""
-    from .sections import read_requirements
-
-    return read_requirements(sections or (), study, document.pulse)
-
-
-def shocks_of(study):
-    """The required shocks of a study as mappings of name, shocks, N, f0 (Hz), snaps, survives."""
     required = study.requests.get("requirements", ())
-    return [requirement.values for requirement in required if "shocks" in requirement.values]
+    return [shock for shock in required if isinstance(shock, RequiredShock)]
 
 
-def plain_shocks(study):
+def plain_shocks(study: Config) -> list[dict[str, Any]]:
     """The required shocks of a study in plain values, on which results depend."""
-    required = study.requests.get("requirements", ())
-    return [requirement.plain() for requirement in required if "shocks" in requirement.values]
+    return [shock.plain() for shock in shocks_of(study)]
 
 
-def left_out(study):
+def left_out(study: Config) -> list[str]:
     """Names of what a yield leaves out: vibration, spectra, and closings that shocks demand."""
-    required = study.requests.get("requirements", ())
-    names = [other.values["name"] for other in required if "shocks" not in other.values]
-    demanding = [shock for shock in required if "shocks" in shock.values and shock.more]
-    return names + [f"the {shock.more} of {shock.values['name']}" for shock in demanding]
+    shocks = shocks_of(study)
+    others = [other.name for other in study.requests.get("requirements", ()) if other not in shocks]
+    return others + [f"the {shock.more} of {shock.name}" for shock in shocks if shock.more]
 
 
-def files(study):
-    """Recorded shocks among the requirements."""
-    pulses = [required["pulse"] for required in shocks_of(study)]
-    return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+class Requirements(Application):
+    rule, message = "check_requirements", "Check the required shocks"
+    part, threads, priority = "5 Requirements", 4, 50
+
+    def section(self) -> tuple[Any, str]:
+        """A list of requirements of each kind that an application has."""
+        from .. import merge
+        from .sections import RequirementKind
+
+        kind = RequirementKind(merge(lambda part: part.kinds()))
+        return list[Annotated[Any, kind]], "shocks that must, or must not, trip the device"
+
+    def request(self, section: Any, study: Config, document: Any) -> Any:
+        """The requirements, by unique names; ValueError, one line, for what a study cannot have."""
+        from .sections import read_requirements
+
+        return read_requirements(section or (), study, document.pulse)
+
+    def files(self, study: Config) -> Mapping[str, str]:
+        """Recorded shocks among the requirements."""
+        pulses = [shock.pulse for shock in shocks_of(study)]
+        return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+
+    def doubts(self, study: Config) -> list[str]:
+        """Lines about amplitudes that are hardly meant."""
+        from ...config.plausible import unusual_runs
+
+        return unusual_runs(N=[shock.N for shock in shocks_of(study)])
+
+    def marks(self, study: Config) -> list[Mark]:
+        """Required shocks, each under all its pulses and directions."""
+        marks = []
+        for shock in shocks_of(study):
+            each = shock.shocks.each()
+            pushed = [(single.pulse.section, single.direction, shock.start) for single in each]
+            marks.append(Mark(shock.name, shock.f0, shock.N, pushed))
+        return marks
+
+    def cost(self, study: Config) -> float:
+        """Approximate core time of the verdicts on shocks, s."""
+        from .forecast import judged_seconds
+
+        where = study.axes["C"].tolist(), study.temperatures
+        return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
+
+    def outputs(self, study: Config) -> Files:
+        """The table of verdicts."""
+        required = study.requests["requirements"]
+        return {"requirements": "results/requirements.csv"} if required else {}
+
+    def params(self, study: Config) -> dict[str, Any]:
+        """Requirements, C, and the tolerance of thresholds."""
+        return {
+            "requirements": [requirement.plain() for requirement in study.requests["requirements"]],
+            "C": study.axes["C"].tolist(),
+            "temperatures": study.temperatures,
+            "tolerance": study.threshold_tolerance,
+        }
+
+    def run(self, study: Config, path: str) -> None:
+        """Judge the requirements, and write a row for each device, corner and C."""
+        from .verdicts import write_verdicts
+
+        write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
+
+    def figures(self, study: Config) -> Figures:
+        """The margins of all requirements."""
+        return {"requirements": {}}
+
+    def draw(self, figures: Figures, folder: str, requirements_path: str) -> None:
+        """Draw the margin of each requirement, a row for each worst corner."""
+        from ...figures import style
+        from .corners import corners, read_verdicts
+        from .figure import draw_margins
+
+        verdicts = read_verdicts(requirements_path)
+        attributes = {"title": "Margins of required shocks"}
+        height = 1.2 + 0.32 * len(corners(verdicts))
+        with style.saved(f"{folder}/requirements", attributes, height) as figure:
+            draw_margins(figure.subplots(), verdicts)
 
 
-def doubts(study):
-    """Lines about amplitudes that are hardly meant."""
-    from ...config.plausible import unusual_runs
-
-    return unusual_runs(N=[required["N"] for required in shocks_of(study)])
-
-
-def marks(study):
-    """Required shocks on maps: name, f0 (Hz), N, and a list of pulse, direction and start."""
-    from ...solver.settings import FIRST
-
-    for required in shocks_of(study):
-        start = required.get("start", FIRST)
-        shocks = required["shocks"].each()
-        pushed = [(shock.pulse.section, shock.direction, start) for shock in shocks]
-        yield required["name"], required["f0"], required["N"], pushed
-
-
-def cost(study):
-    """Approximate core time of the verdicts on shocks, s."""
-    from .forecast import judged_seconds
-
-    where = study.axes["C"].tolist(), study.temperatures
-    return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
-
-
-def outputs(study):
-    """The table of verdicts."""
-    required = study.requests["requirements"]
-    return {"requirements": "results/requirements.csv"} if required else {}
-
-
-def params(study):
-    """Requirements, C, and the tolerance of thresholds."""
-    return {
-        "requirements": [requirement.plain() for requirement in study.requests["requirements"]],
-        "C": study.axes["C"].tolist(),
-        "temperatures": study.temperatures,
-        "tolerance": study.threshold_tolerance,
-    }
-
-
-def run(study, path):
-    """Judge the requirements, and write a row for each device, corner and C."""
-    from .verdicts import write_verdicts
-
-    write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
-
-
-def figures(study):
-    """The margins of all requirements."""
-    return {"requirements": {}}
-
-
-def draw(figures, folder, requirements_path):
-    """Draw the margin of each requirement, a row for each worst corner."""
-    from ...figures import style
-    from .corners import corners, read_verdicts
-    from .figure import draw_margins
-
-    verdicts = read_verdicts(requirements_path)
-    attributes = {"title": "Margins of required shocks"}
-    height = 1.2 + 0.32 * len(corners(verdicts))
-    with style.saved(f"{folder}/requirements", attributes, height) as figure:
-        draw_margins(figure.subplots(), verdicts)
+application = Requirements()

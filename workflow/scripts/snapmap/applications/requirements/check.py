@@ -9,10 +9,11 @@ import numpy as np
 
 from ...beam.stress import break_probability
 from ...device.device import Device
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
-from ...study.study import ANY, Study, of_requirement
+from ...study.shock import Shock
+from ...study.study import ANY, Study
 from ...thresholds.surface import first_snaps
 from ..histories.near import NEAR, follow_near
 from .corners import (
@@ -52,7 +53,7 @@ class Survival(NamedTuple):
 
 def check(
     study: Study,
-    requirements: Sequence[Mapping],
+    requirements: Sequence[Shock],
     C: Sequence[float],
     tolerance: float = THRESHOLD_TOLERANCE,
     temperatures: Sequence[float] = (),
@@ -60,36 +61,32 @@ def check(
     """Simulate each required shock with its own pulse and find the threshold of that pulse.
 
     study: its pulse and start do not matter
-    requirements: mappings of name, shocks, N, f0 (Hz), snaps and start
     C: uN us/um; tolerance: relative tolerance of the thresholds
     temperatures: degC; empty for those of the devices
     Returns a Verdict for each device, temperature, shape and direction of a requirement, and C.
     """
     return [
         verdict
-        for required, name, shaken in each_device(study, requirements, temperatures)
+        for required in requirements
+        for name, shaken in each_device(required.shaken(study), temperatures)
         for verdict in _verdicts(shaken, name, required, C, tolerance)
     ]
 
 
-def each_device(
-    study: Study, requirements: Sequence[Mapping], temperatures: Sequence[float] = ()
-) -> Iterator[tuple[Mapping, str, Study]]:
-    """Yield each requirement with the name and the study of each device at each temperature.
+def each_device(study: Study, temperatures: Sequence[float] = ()) -> Iterator[tuple[str, Study]]:
+    """Yield the name and the study of each device at each temperature.
 
     The name of a single device is empty. Without temperatures each device keeps its own.
     """
     several = isinstance(study.device, Mapping)
-    for required in requirements:
-        for name, device in study.devices().items():
-            for tempered in [device.at(degrees) for degrees in temperatures] or [device]:
-                shaken = replace(of_requirement(study, required), device=tempered)
-                yield required, name if several else "", shaken
+    for name, device in study.devices().items():
+        for tempered in [device.at(degrees) for degrees in temperatures] or [device]:
+            yield name if several else "", replace(study, device=tempered)
 
 
 def _verdicts(study, name, required, C, tolerance):
-    N, f0, settings = required["N"], required["f0"], study.settings
-    axes, must = {"C": C, "f0": [f0]}, required["snaps"]
+    N, f0, must, settings = required.N, required.f0, required.snaps, study.run
+    axes = {"C": C, "f0": [f0]}
     thresholds, grid = first_snaps(study, axes, tolerance), study.set_out(axes)
     near = NEAR if must not in (False, ANY) else np.ones(1)
     runs = follow_near(study, grid, N * near)
@@ -110,7 +107,7 @@ def _verdicts(study, name, required, C, tolerance):
         elif verdict == MET and must is True:
             verdict = {STAYS: MET, RETURNS: VIOLATED}.get(end, UNCLEAR)
         yield Verdict(
-            requirement=required["name"],
+            requirement=required.name,
             device=name,
             shape=shocks.pulse.name,
             direction=shocks.direction,
@@ -197,7 +194,7 @@ def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:
 def restless(verdicts: Sequence[Verdict]) -> str:
     """Write which shocks must make the beam stay, but do not surely; the worst corner of each."""
     wrong = [v for v in verdicts if v.must_snap is True and v.end in (RETURNS, DIFFERS, OPEN)]
-    lines = {}
+    lines: dict[str, str] = {}
     for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
         row = verdict._asdict()
         where = f"{verdict.requirement}, {corner_text(row)}, N = {plain(verdict.N)}"

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...device.quantities import plain
+from ...files.text import plain
 from ...solver.settings import FIRST
-from ...study.study import ANY, SNAPS, Study, of_requirement
+from ...study.shock import Shock
+from ...study.study import ANY, SNAPS, Study
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "ends differ"
@@ -26,7 +27,7 @@ class Verdict(NamedTuple):
     margin, margin_error: N_first and its error bar over N; NaN where nothing snaps
     outcome: outcome of the required shock, simulated
     verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
-    start: as in `Settings`
+    start: as in `Run`
     end: how the required shock ends, in the runs near N that arrive: STAYS if all stay, DIFFERS if
         some do, else RETURNS or OPEN; NO_ARRIVAL at N itself, or NOT_FOLLOWED
     share_staying: share of these runs that stay in the other shape
@@ -72,26 +73,26 @@ def read_verdicts(path: str | Path) -> list[dict]:
 
 def corners(rows: Iterable[Mapping]) -> list[list[Mapping]]:
     """Group rows of verdicts by requirement, device and C; each group begins with its worst."""
-    groups = {}
+    groups: dict[tuple, list[Mapping]] = {}
     for row in rows:
         groups.setdefault((row["requirement"], row["device"], row["C"]), []).append(row)
     return [sorted(group, key=badness, reverse=True) for group in groups.values()]
 
 
-def at_corner(study: Study, required: Mapping, corner: Mapping) -> Study:
+def at_corner(study: Study, required: Shock, corner: Mapping) -> Study:
     """Narrow a study to a requirement at the device, temperature, shape and direction of a corner.
 
-    required: as `shocks_of` returns it; corner: a Verdict as a mapping
+    corner: a Verdict as a mapping
     """
     device = study.device
     device = device[corner["device"]] if isinstance(device, Mapping) else device
     if corner["temperature"] != device.temperature:
         device = device.at(corner["temperature"])
-    study = of_requirement(study, required)
+    study = required.shaken(study)
     pushed = corner["shape"], corner["direction"]
     for shocks in study.shocks.each():
         if (shocks.pulse.name, shocks.direction) == pushed:
-            return replace(study, device=device, shocks=shocks)
+            return replace(study, device=device).under(shocks)
     raise KeyError(pushed)
 
 

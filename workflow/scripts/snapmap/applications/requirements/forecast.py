@@ -1,12 +1,12 @@
 """A forecast of the core time of verdicts on shocks; vibration and spectra are left out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from ...solver.adaptive import choose_survey
 from ...solver.cost import steps_and_seconds
-from ...study.axes import rows_of
+from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.cost import survey_seconds
+from ...thresholds.surface import search_of
 from .check import each_device
 
 RUNS = 42
@@ -17,7 +17,7 @@ PER_VERDICT = 0.3
 
 def judged_seconds(
     study: Study,
-    required: Sequence[Mapping],
+    required: Sequence[Shock],
     C: Sequence[float],
     temperatures: Sequence[float] = (),
 ) -> float:
@@ -26,11 +26,13 @@ def judged_seconds(
     If one fails, the search for changes that meet it takes as long again, or longer.
     """
     seconds = 0.0
-    for shock, _, shaken in each_device(study, required, temperatures):
-        grid, settings = shaken.set_out({"C": C, "f0": [shock["f0"]]}), shaken.settings
-        models, rows = choose_survey(grid.device, study.model, settings.start), rows_of(grid)
-        cells = rows.cells(grid.device, shock["N"], settings.horizon)
-        to_end = settings._replace(until="settled")
-        seconds += PER_VERDICT * rows.f0.size + survey_seconds(models, rows, settings)
-        seconds += RUNS * float(steps_and_seconds(models.decides, cells, to_end)[1].sum())
+    for shock in required:
+        for _, shaken in each_device(shock.shaken(study), temperatures):
+            grid, settings = shaken.set_out({"C": C, "f0": [shock.f0]}), shaken.run
+            search = search_of(shaken, grid)
+            cells = search.rows.cells(grid.device, shock.N, settings.horizon)
+            to_end = settings.but(until="settled")
+            seconds += PER_VERDICT * search.rows.f0.size + survey_seconds(search)
+            decides = search.models.decides
+            seconds += RUNS * float(steps_and_seconds(decides, cells, to_end)[1].sum())
     return seconds

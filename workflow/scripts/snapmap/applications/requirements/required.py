@@ -1,72 +1,75 @@
 """Requirements of a study, objects that check themselves."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar, Protocol
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
+from ...study.shock import Shock
 from ...study.study import ANY, Study
-from .corners import at_corner
+from .corners import Verdict, at_corner
+
+if TYPE_CHECKING:
+    from ...config.study import Config
+
+Judged = list[tuple[Verdict, dict[str, float]]]
+"""Verdicts, each with further columns of its row."""
 
 
 class Required(Protocol):
-    """A requirement: a shock, a vibration, or a spectrum.
+    """A requirement: a shock, a vibration, or a spectrum; start: as in `Run`."""
 
-    values: `name`, `snaps`, and further values of its kind
-    """
+    @property
+    def name(self) -> str: ...
 
-    values: Mapping
+    @property
+    def start(self) -> str: ...
 
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Judge each device at each temperature and C (uN us/um).
-
-        Returns pairs of a Verdict and a mapping of further columns of its row.
-        """
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+        """Judge each device at each temperature and C (uN us/um)."""
 
     def require(self, study: Study) -> None:
         """Raise ValueError, one line, if the study cannot have this requirement."""
 
-    def plain(self) -> dict:
+    def plain(self) -> dict[str, Any]:
         """Plain values on which the verdicts depend."""
 
 
-@dataclass(frozen=True, eq=False)
-class RequiredShock:
-    """A required shock.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RequiredShock(Shock):
+    """A required shock of a config.
 
-    values: as `check.check` takes them, with survives
+    pulse: section of its pulse, in internal units, with the SHA-256 of a record
     more: a word for what its kind demands beside trip and survival; empty for nothing
     """
 
-    values: dict
-    more: ClassVar = ""
+    pulse: Mapping[str, Any]
+    more: ClassVar[str] = ""
 
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
+    def check(self, study: "Config", C: Sequence[float]) -> Judged:
         """Judge by threshold and strength; the further columns are extremes and survival."""
         from ..histories.history import free_travel, observed_of
         from .check import check, judge
 
-        required, judged = self.values, []
-        how = study.threshold_tolerance, study.temperatures
-        for verdict in check(study, [required], C, *how):
-            shaken = at_corner(study, required, verdict._asdict())
+        judged, how = [], (study.threshold_tolerance, study.temperatures)
+        for verdict in check(study, [self], C, *how):
+            shaken = at_corner(study, self, verdict._asdict())
             columns = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
             moved = columns["toward_max"], columns["away_max"]
             columns["travel_over_rise"] = free_travel(shaken.device, *moved)
-            stress, must_survive = columns["stress_max"], required["survives"]
-            verdict, survival = judge(verdict, shaken.device, stress, must_survive)
+            verdict, survival = judge(verdict, shaken.device, columns["stress_max"], self.survives)
             judged.append((verdict, columns | survival._asdict()))
         return judged
 
     def require(self, study: Study) -> None:
         """Raise ValueError if a device lacks a strength or frame that the requirement needs."""
         unbreakable = any(np.isinf(device.strength) for device in study.devices().values())
-        if self.values["snaps"] == ANY and not self.more and unbreakable:
-            what = f"snaps: any of {self.values['name']}"
+        if self.snaps == ANY and not self.more and unbreakable:
+            what = f"snaps: any of {self.name}"
             raise ValueError(f"device.strength: missing, for {what}; write one such as '1.2 GPa'")
-        replace(study, shocks=self.values["shocks"])  # a force shakes no frame
+        study.under(self.shocks)  # a force shakes no frame
 
-    def plain(self) -> dict:
+    def plain(self) -> dict[str, Any]:
         """All values but the shocks, which follow from `pulse`."""
-        return {key: value for key, value in self.values.items() if key != "shocks"}
+        return {key: value for key, value in asdict(self).items() if key != "shocks"}

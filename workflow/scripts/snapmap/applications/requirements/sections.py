@@ -1,53 +1,78 @@
 """The section `requirements`: shocks that must, or must not, trip the device."""
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from ...config.keys import Section, argument, in_list, key, quantity, word
-from ...config.shocks import (
-    PUSHED,
-    PUSHES,
-    TIMED,
-    PulseSection,
-    one_time,
-    several_shapes,
-    shocks_of,
-)
-from ...config.units import read
+from typing_extensions import TypeAliasType
+
+from ...config.kinds import Title
+from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time, shocks_of
 from ...config.views import frequency_of
-from ...device.argument import Argument
-from ...files.text import is_title, show
-from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.study import ANY, ARRIVES, Study
+from ...files.text import describe, show
+from ...solver.settings import FIRST, STARTS
+from ...study.study import ANY, ARRIVES
+from ...values.faults import at_key
+from ...values.kinds import Kind, Word, kind_of
+from ...values.quantities import Amplitude, Frequency, PulseTime, Share
+from ...values.reading import read_part
+from ...values.records import record
 from .required import Required, RequiredShock
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
-NAME = argument(
-    Argument("a unique name of letters, digits, spaces, .,:()/%+-_, at most 60", is_title)
-)
 
 
-SNAPS = {
-    ARRIVES: "it must arrive at its other shape, if only for a moment",
-    ANY: "either is right",
-}
-"""What the words of `snaps` mean."""
+@dataclass(frozen=True)
+class SnapsKind(Kind):
+    """Whether a device must trip: true, false, or one of some words."""
+
+    words: tuple[str, ...]
+
+    @property
+    def need(self) -> str:  # type: ignore[override]
+        """What is right, in words that follow "is not"."""
+        return " or ".join([", ".join(["true", "false", *self.words[:-1]]), self.words[-1]])
+
+    def read(self, value: object) -> bool | str:
+        """Read true, false or a word."""
+        if not isinstance(value, bool) and value not in self.words:
+            raise ValueError(f"{describe(value)} is not {self.need}")
+        return value
+
+    def schema(self) -> dict:
+        """Describe the choice."""
+        return {"enum": [True, False, *self.words]}
 
 
-def snaps(*words: str) -> object:
-    """Make the key that tells whether a device must trip: true, false, or one of the words."""
-    need = " or ".join([", ".join(["true", "false", *words[:-1]]), words[-1]])
-    meanings = [f"`{word}`: {SNAPS[word]}" for word in words]
-    what = "; ".join(["whether the device must trip and stay tripped", *meanings])
-    fits = Argument(need, lambda value: isinstance(value, bool) or value in words)
-    return argument(fits, what)
+class SurvivesKind(Kind):
+    """True, false or a share: whether, or how probably, the beam must not break."""
+
+    need = "true, false or a share such as 99.99 %"
+
+    def read(self, value: object) -> object:
+        """Read the least probability with which the beam must not break; 0 if it may."""
+        return SURVIVES * value if isinstance(value, bool) else kind_of(Share).read(value)
+
+    def write(self, value: float) -> object:
+        """Write a share."""
+        return kind_of(Share).write(value)
+
+    def schema(self) -> dict:
+        """Describe the choice."""
+        return {"anyOf": [{"type": "boolean"}, kind_of(Share).schema()]}
 
 
-def _survival(value):
-    return SURVIVES * value if isinstance(value, bool) else read(value, "share")
+Start = TypeAliasType("Start", Annotated[str, Word(STARTS)])
+Snaps = TypeAliasType("Snaps", Annotated[bool | str, SnapsKind((ARRIVES, ANY))])
+SnapsOrArrives = TypeAliasType("SnapsOrArrives", Annotated[bool | str, SnapsKind((ARRIVES,))])
+Survives = TypeAliasType("Survives", Annotated[float, SurvivesKind()])
 
 
+@record
 class ShockSection(PulseSection):
     """A shock that must, or must not, trip the device.
 
@@ -55,44 +80,42 @@ class ShockSection(PulseSection):
     `pulse` unless it has its own; of several it holds under each.
     """
 
-    kind: ClassVar = RequiredShock
-    name: NAME
-    N: quantity("number", "peak of the shock over gravity", out="required, but of a drop")
-    snaps: snaps(ARRIVES, ANY)
-    survives: key(
-        _survival,
-        "true, false or a share: whether, or how probably, the beam must not break",
-        example="99.99 %",
-        out=f"`true`, that is `{100 * SURVIVES:g} %`",
-    )
-    f0: quantity(
-        "frequency",
-        "1/duration of the shock",
-        out="required, or `duration`, or a shock with its own",
-    )
-    duration: quantity("pulse", "duration of the shock; replaces f0", out="`f0`")
-    shape: several_shapes("or a list of these, all of which count", "those of `pulse`")
-    direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
-    start: word(*STARTS, what="shape in which the beam rests at first", out=f"`{FIRST}`")
+    kind: ClassVar[type[RequiredShock]] = RequiredShock
+    _: KW_ONLY
+    name: Title
+    """unique name"""
+    N: Amplitude | None = None
+    """peak of the shock over gravity; required, but of a drop"""
+    snaps: Snaps
+    """whether the device must trip and stay tripped; `arrives`: it must arrive at its other shape,
+    if only for a moment; `any`: either is right"""
+    survives: Survives = SURVIVES
+    """true, false or a share: whether, or how probably, the beam must not break; true is 99.9 %"""
+    f0: Frequency | None = None
+    """1/duration of the shock; required, or `duration`, or a shock with its own"""
+    duration: PulseTime | None = None
+    """duration of the shock; replaces f0"""
+    shape: SeveralShapes | None = None
+    """how the acceleration goes over time; several all count; that of `pulse` if left out"""
+    direction: Push | None = None
+    """+z presses the mass on the beam; that of `pulse` if left out"""
+    start: Start = FIRST
+    """shape in which the beam rests at first"""
 
     @classmethod
-    def beside(cls, written: Mapping) -> dict[tuple, str]:
-        """Faults of keys that are missing or exclude each other, by their places."""
+    def beside(cls, written: Mapping) -> dict[str, str]:
+        """Find keys that are missing, or that exclude each other."""
         return super().beside(written) | one_time(written, any(name in written for name in TIMED))
 
-    def make(self) -> None:
-        """Nothing by itself; ValueError for what cannot be in any study."""
-        if self.has("N") and not self.N > 0:
-            line = f".N: {self.N:g} is not above 0; a direction of -z pushes the other way"
-            raise ValueError(line)
-        if self.snaps == ANY and not (self.least_share or self.kind.more):
+    def __post_init__(self):
+        """Raise ValueError for what cannot be in any study."""
+        if self.N is not None and not self.N > 0:
+            raise ValueError(
+                f"N: {self.N:g} is not above 0; a direction of -z pushes the other way"
+            )
+        if self.snaps == ANY and not (self.survives or self.kind.more):
             need = "true or false, or survives"
-            raise ValueError(f".snaps: any leaves nothing to check; write {need}")
-
-    @property
-    def least_share(self) -> float:
-        """The least probability with which the beam must not break; 0 if it may."""
-        return self.survives if self.has("survives") else SURVIVES
+            raise ValueError(f"snaps: any leaves nothing to check; write {need}")
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:
         """Make the requirement of a study.
@@ -101,23 +124,26 @@ class ShockSection(PulseSection):
         gravity: of its devices, um/us^2, the unit of N
         """
         values = self.values()
-        if not self.has("shape", *TIMED):
+        if self.shape is None and not any(getattr(self, key) for key in TIMED):
             values = self._inherited(pulse) | values
         values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
         try:
             shocks = shocks_of(values)
         except ValueError as error:
             raise ValueError(str(error).removeprefix("pulse")) from None
-        if not self.has("N") and not self.has("drop"):
-            raise ValueError(f".N: missing; write {self.needs()['N']}")
-        N = self.N if self.has("N") else shocks.pulse.peak / gravity
-        f0 = frequency_of(self.duration) if self.duration else self.f0
-        required = {"name": self.name, "snaps": self.snaps}
-        required |= {"N": N, "f0": f0 or shocks.own_frequency(), "shocks": shocks}
-        required |= {"survives": self.least_share, "pulse": values}
-        if self.start == SECOND:
-            required["start"] = self.start
-        return self.kind(required)
+        if self.N is None and self.drop is None:
+            raise ValueError(f".N: missing; write {kind_of(Amplitude).asks}")
+        f0 = self.f0 if self.duration is None else frequency_of(self.duration)
+        return self.kind(
+            name=self.name,
+            N=shocks.pulse.peak / gravity if self.N is None else self.N,
+            f0=f0 or shocks.own_frequency(),
+            shocks=shocks,
+            snaps=self.snaps,
+            survives=self.survives,
+            start=self.start,
+            pulse=values,
+        )
 
     @staticmethod
     def _inherited(pulse):
@@ -131,20 +157,26 @@ class ShockSection(PulseSection):
         return values
 
 
-def requirement(kinds: Mapping[str, type[Section]]) -> object:
-    """Make the type of an item of `requirements`; kinds: sections by a key that only they have."""
+class RequirementKind(Kind):
+    """A requirement of one of several kinds."""
 
-    def convert(value):
-        kind = ShockSection
-        if isinstance(value, Mapping):
-            kind = next((kinds[key] for key in kinds if key in value), ShockSection)
-        return kind.model_validate(value)
+    need = "a mapping: a shock that must, or must not, trip the device"
 
-    return key(convert, ShockSection.what())
+    def __init__(self, kinds: Mapping[str, type]):
+        """Take the records, by a key that only they have."""
+        self.kinds = kinds
+        self.records = (ShockSection, *dict.fromkeys(kinds.values()))
+
+    def read(self, value: object) -> Any:
+        """Read a requirement by its kind."""
+        if not isinstance(value, Mapping):
+            raise ValueError(f"{describe(value)} is not {self.need}")
+        found = (self.kinds[key] for key in self.kinds if key in value)
+        return read_part(next(found, ShockSection), value)
 
 
 def read_requirements(
-    sections: Sequence[Section], study: Study, pulse: PulseSection | None
+    sections: Sequence[Any], study: "Config", pulse: PulseSection | None
 ) -> list[Required]:
     """Take the requirements of a config; raises ValueError, one line, for an invalid one.
 
@@ -157,12 +189,10 @@ def read_requirements(
         raise ValueError(f"{show(twice)} comes twice; write another name")
     gravity, requirements = float(next(iter(study.devices().values())).gravity), []
     for place, section in enumerate(sections):
-        try:
+        with at_key(place):
             required = section.under(pulse, gravity)
             for device in study.devices().values():
-                require_start(required.values.get("start", FIRST), device)
-        except ValueError as error:
-            raise ValueError(in_list(place, str(error))) from None
+                require_start(required.start, device)
         requirements.append(required)
     if requirements:
         temperatures = study.temperatures

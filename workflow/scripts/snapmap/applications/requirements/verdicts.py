@@ -5,31 +5,34 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 from math import nan
+from typing import TYPE_CHECKING
 
 from ...files.atomic import replacing
-from ...study.study import Study
 from ..design.design import remedy, with_value
 from ..histories.history import FARTHEST, Extremes, warn_of_travel
 from .check import Survival, restless, summary, worst
 from .corners import MET, VIOLATED, Verdict, at_corner, beyond
-from .required import Required
+from .required import Required, RequiredShock
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
 def hint(
-    study: Study, requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
+    study: "Config", requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
 ) -> str:
     """Write which changes of a single value meet a requirement, and which others fail by them.
 
-    study: a `Config`; verdicts: of all requirements, at each C; wrong: the one of them to correct
+    verdicts: of all requirements, at each C; wrong: the one of them to correct
     Returns "" if its threshold is on the right side, if no single shock is required, or if no
     change helps.
     """
-    shocks = [required for required in requirements if "shocks" in required.values]
-    goals = [shock.values for shock in shocks if shock.values["name"] == wrong.requirement]
+    shocks = [required for required in requirements if isinstance(required, RequiredShock)]
+    goals = [shock for shock in shocks if shock.name == wrong.requirement]
     if not goals or beyond(wrong.margin, wrong.must_snap) <= 0:
         return ""
     shaken = at_corner(study, goals[0], wrong._asdict())
-    device = study.device[wrong.device] if wrong.device else study.device
+    device = study.devices()[wrong.device or "device"]
     of_device = [verdict for verdict in verdicts if verdict.device == wrong.device]
     dampings = list(dict.fromkeys(verdict.C for verdict in of_device))
     fails = {
@@ -54,11 +57,8 @@ def hint(
     return f"{' or '.join(changes)} meets it, all else unchanged" if changes else ""
 
 
-def write_verdicts(study: Study, requirements: Sequence[Required], path: str) -> None:
-    """Judge requirements, write a row for each device, corner and C, and print a summary.
-
-    study: a `Config`
-    """
+def write_verdicts(study: "Config", requirements: Sequence[Required], path: str) -> None:
+    """Judge requirements, write a row for each device, corner and C, and print a summary."""
     C = study.axes["C"].tolist()
     judged = [pair for required in requirements for pair in required.check(study, C)]
     verdicts = [verdict for verdict, _ in judged]

@@ -1,20 +1,19 @@
 """Random vibration and shock response spectra.  Imports: requirements."""
 
-public = {"vibration": "vibration", "srs_test": "trips"}
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..application import Application
 
 
-def kinds():
-    """Sections of requirements, by the key that only they have."""
-    from .sections import SpectrumSection, VibrationSection
+class Spectra(Application):
+    def kinds(self) -> Mapping[str, Any]:
+        """Sections of requirements, by the key that only they have."""
+        from .sections import SpectrumSection, VibrationSection
 
-    return {"psd": VibrationSection, "srs": SpectrumSection}
+        return {"psd": VibrationSection, "srs": SpectrumSection}
 
 
-def described():
-    """Its sections, as docs/config.md has them."""
-    from .sections import SpectrumSection, VibrationSection
-
-    return {
-        "each of requirements, with psd": VibrationSection,
-        "each of requirements, with srs": SpectrumSection,
-    }
+application = Spectra()

@@ -5,9 +5,12 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ...device.argument import argument_of, integer, pairs
 from ...pulse.pulse import Pulse, straight
+from ...values.kinds import Whole
+from ...values.quantities import Value
+from .pairs import Points
 
 REACH = 0.01
 """Default probability of a snap within the duration of the vibration."""
@@ -19,8 +22,11 @@ PER_PERIOD = 16
 MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
-Density = Annotated[Sequence[Sequence[float]], pairs("Hz and g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
-Records = Annotated[int, integer(1, 10_000)]
+Density = TypeAliasType(
+    "Density",
+    Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")],
+)
+Records = TypeAliasType("Records", Annotated[int, Whole(1, 10_000)])
 
 
 class Spectrum:
@@ -31,7 +37,7 @@ class Spectrum:
 
     def __init__(self, points: Sequence[Sequence[float]]):
         """Take the points."""
-        self.f, self.density = argument_of(Density).take("psd", points).T
+        self.f, self.density = np.asarray(points, float).T
         ratios = zip(self.density[1:] / self.density[:-1], self.f[1:] / self.f[:-1], strict=True)
         self._slopes = np.array([math.log(S) / math.log(f) for S, f in ratios])
 

@@ -1,128 +1,58 @@
 """Sections of vibration and of shock response spectra among the requirements."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
-from ...config.keys import Section, key, many, quantity, word
-from ...config.shocks import PUSHED, PUSHES, PulseSection
-from ...config.units import read, show
-from ...study.study import ARRIVES, Study
-from ..requirements.sections import NAME, snaps
-from .psd import REACH, Spectrum
-from .srs import check_points
+from ...config.kinds import Title
+from ...config.shocks import PulseSection, Push
+from ...values.quantities import PulseTime, Share
+from ...values.records import record
+from ..requirements.sections import SnapsOrArrives
+from .psd import REACH, Density, Spectrum
+from .required import RequiredSpectrum, RequiredVibration
+from .srs import Levels, check_points
 
 
-@dataclass(frozen=True, eq=False)
-class RequiredVibration:
-    """A required vibration; values: name, psd, duration (s), snaps and probability."""
-
-    values: dict
-
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Judge by the level at which a trip is as probable as allowed; no further columns."""
-        from .verdicts import check_vibrations
-
-        verdicts = check_vibrations(study, [self.values], C, study.temperatures)
-        return [(verdict, {}) for verdict in verdicts]
-
-    def require(self, study: Study) -> None:
-        """Raise ValueError if a force pushes the beam, as then no frame is shaken."""
-        study.require_frame("a spectrum among the requirements")
-
-    def plain(self) -> dict:
-        """All values; they are plain."""
-        return self.values
-
-
-class RequiredSpectrum(RequiredVibration):
-    """A required shock response spectrum; values: name, srs, direction and snaps."""
-
-    def check(self, study: Study, C: Sequence[float]) -> list[tuple]:
-        """Judge by the factor of the spectrum from which its records trip; no further columns."""
-        from .verdicts import check_spectra
-
-        verdicts = check_spectra(study, [self.values], C, study.temperatures)
-        return [(verdict, {}) for verdict in verdicts]
-
-
-def _points(name, unit, such, what, example):
-    """Make the type of a spectrum: pairs of a frequency and a density or level."""
-
-    def level(value):
-        number, _, written = str(value).strip().partition(" ")
-        if written.replace("²", "^2").replace("**", "^") != unit:
-            raise ValueError(f"{show(value)} is not a {name}; write one such as '{such} {unit}'")
-        return read(number, "number")
-
-    pair = tuple[quantity("frequency"), key(level, name)]
-    need = f"a list of two pairs or more of a frequency and a {name}, ascending: {what}"
-    return many(pair, need, example, least=2)
-
-
-class VibrationSection(Section):
+@record
+class VibrationSection:
     """Random vibration that must, or must not, trip the device; `true` counts as `arrives`."""
 
-    name: NAME
-    snaps: snaps(ARRIVES)
-    psd: _points(
-        name="density",
-        unit="g^2/Hz",
-        such="0.04",
-        what="random vibration",
-        example="[[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]",
-    )
-    duration: quantity("pulse", "duration of the vibration", "3 min")
-    probability: quantity(
-        "share", "largest probability of a wrong result", "1 %", f"`{100 * REACH:g} %`"
-    )
+    name: Title
+    """unique name"""
+    snaps: SnapsOrArrives
+    """whether the device must trip"""
+    psd: Density
+    """one-sided density, as [[20 Hz, 0.01 g^2/Hz], [2000 Hz, 0.04 g^2/Hz]]"""
+    duration: PulseTime
+    """duration of the vibration, such as 3 min"""
+    probability: Share = REACH
+    """largest probability of a trip, or, where it must trip, of none"""
 
-    def make(self) -> None:
-        """Nothing by itself; ValueError for what cannot be in any study."""
-        try:
-            Spectrum(self.points).require_record(1e-6 * self.duration)
-        except ValueError as error:
-            raise ValueError(f".{error}") from None
-
-    @property
-    def points(self) -> list[list[float]]:
-        """Pairs of Hz and g^2/Hz."""
-        return [list(pair) for pair in self.psd]
+    def __post_init__(self):
+        """Raise ValueError for what cannot be in any study."""
+        Spectrum(self.psd).require_record(1e-6 * self.duration)
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredVibration:
         """Make the requirement; vibration depends on neither the study's pulse nor N."""
-        values = {"name": self.name, "snaps": self.snaps, "psd": self.points}
-        values |= {"duration": 1e-6 * self.duration, "probability": self.probability or REACH}
-        return RequiredVibration(values)
+        points, duration = self.psd.tolist(), 1e-6 * self.duration
+        return RequiredVibration(self.name, self.snaps, points, duration, self.probability)
 
 
-class SpectrumSection(Section):
+@record
+class SpectrumSection:
     """A shock response spectrum that must, or must not, trip it; `true` counts as `arrives`."""
 
-    name: NAME
-    snaps: snaps(ARRIVES)
-    srs: _points(
-        name="level",
-        unit="g",
-        such="1500",
-        what="a shock response spectrum (quality factor 10)",
-        example="[[100 Hz, 100 g], [1000 Hz, 1500 g], [10 kHz, 1500 g]]",
-    )
-    direction: word(*PUSHES, what=PUSHED, out="that of `pulse`")
+    name: Title
+    """unique name"""
+    snaps: SnapsOrArrives
+    """whether the device must trip"""
+    srs: Levels
+    """a spectrum (quality factor 10), as [[100 Hz, 100 g], [1 kHz, 1500 g]]"""
+    direction: Push | None = None
+    """+z presses the mass on the beam; that of `pulse` if left out"""
 
-    def make(self) -> None:
-        """Nothing by itself; ValueError for what cannot be in any study."""
-        try:
-            check_points(self.points)
-        except ValueError as error:
-            raise ValueError(f".{error}") from None
-
-    @property
-    def points(self) -> list[list[float]]:
-        """Pairs of Hz and multiples of g."""
-        return [list(pair) for pair in self.srs]
+    def __post_init__(self):
+        """Raise ValueError for what cannot be in any study."""
+        check_points(self.srs)
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredSpectrum:
         """Make the requirement of a study, whose direction holds unless the section has its own."""
-        values = {"name": self.name, "snaps": self.snaps, "srs": self.points}
-        values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
-        return RequiredSpectrum(values)
+        direction = self.direction or (pulse and pulse.direction) or "+z"
+        return RequiredSpectrum(self.name, self.snaps, self.srs.tolist(), direction)

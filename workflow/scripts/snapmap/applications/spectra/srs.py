@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
-from ...device.argument import argument_of, pairs
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
+from ...values.quantities import Value
+from .pairs import Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
@@ -66,17 +68,17 @@ def frequencies(low: float, high: float) -> np.ndarray:
     return np.append(f[f < high * (1 - 1e-9)], high)
 
 
-Levels = Annotated[
-    Sequence[Sequence[float]], pairs("Hz and multiples of g", "[(500, 700), (2000, 1500)]")
-]
+Levels = TypeAliasType(
+    "Levels", Annotated[Value, Points("level", "g", "[(500, 700), (2000, 1500)]")]
+)
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:
     """Return a spectrum's points as an array, (points, 2); raises ValueError for invalid ones."""
-    points = argument_of(Levels).take("srs", points)
-    if points[-1][0] > MOST_SPAN * points[0][0]:
+    pairs = np.asarray(points, float)
+    if pairs[-1, 0] > MOST_SPAN * pairs[0, 0]:
         raise ValueError(f"srs: frequencies span more than 1:{MOST_SPAN}; write a narrower range")
-    return points
+    return pairs
 
 
 def level(points: Sequence[Sequence[float]], f: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ from ...numerics.kernels import compiled, sine
 
 
 @compiled
-def sines(turns):
+def sines(turns: np.ndarray) -> np.ndarray:
     """Return sin(2 pi turns), (n,)."""
     values = np.empty(turns.size)
     for i in range(turns.size):
@@ -15,7 +15,7 @@ def sines(turns):
 
 
 @compiled
-def wavelets(amplitude, f, begin, lasts, samples):
+def wavelets(amplitude, f, begin, lasts, samples: int) -> np.ndarray:
     """Add wavelets, (samples,); f: turns per sample; begin, lasts: numbers of samples."""
     total = np.zeros(samples)
     for i in range(f.size):

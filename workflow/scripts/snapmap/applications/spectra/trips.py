@@ -1,7 +1,7 @@
 """Whether records that meet a shock response spectrum trip a device, and at which factor."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Unpack
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -9,16 +9,14 @@ import xarray as xr
 from ...numerics.portable import quarters
 from ...pulse.pulse import DIRECTIONS, G, Pulse
 from ...solver.adaptive import choose_survey
-from ...solver.cells import Rows, to_rows
+from ...solver.cells import to_rows
 from ...solver.cost import tell
-from ...solver.models import Follows
-from ...solver.options import AutoOptions
-from ...solver.settings import Settings
-from ...study import arguments
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.arguments import AnyStudy, Axes
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.cost import run_seconds
-from ...thresholds.search import asker
+from ...thresholds.probe import Probe
+from ...values.quantities import Dampers, Seed
 from .psd import Records
 from .srs import Levels, check_points, draw_seconds, record
 
@@ -29,45 +27,61 @@ PER_RECORD = 120
 """Time that a record takes, over that of a run as forecast: 12 levels, each ten times as long."""
 
 
-class TripOptions(arguments.RunOptions, AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `srs_test`."""
-
-    direction: arguments.Direction
-
-
 def srs_test(
-    device: arguments.Devices,
+    study: AnyStudy,
     srs: Levels,
-    C: arguments.Dampers,
+    C: Dampers,
+    *,
     records: Records = RECORDS,
-    seed: arguments.Seed = SEED,
-    model: arguments.Model = "auto",
-    **options: Unpack[TripOptions],
+    seed: Seed = SEED,
+    axes: Axes | None = None,
 ) -> xr.Dataset:
     """Follow a device under random records that meet a shock response spectrum of Q = 10.
 
-    srs: ascending pairs (Hz, multiples of g), interpolated on logarithmic scales
-    records: number of records, of wavelets at sixth octaves
-    seed: of the random records
-    options: horizon, energy_tolerance, threads, direction, skip, device axes, model options
-    The Dataset holds `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and
-    `peak` (g), `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign)
-    over `record`.
+    Parameters
+    ----------
+    study
+        Devices, model, one direction, and how each record is followed; or a Device.
+    srs
+        Ascending pairs (Hz, multiples of g), interpolated on logarithmic scales.
+    C
+        Dampings of the mass, uN us/um, each once.
+    records
+        Number of records, of wavelets at sixth octaves.
+    seed
+        Seed of the random records.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        `snaps` (1, 0, or NaN for a failed run) over (..., C, record, factor), and `peak` (g),
+        `duration` (us) and the largest `deviation` from the spectrum (dB, with its sign) over
+        `record`.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shaken = {"srs": [(500, 700), (2000, 1500)], "records": 2, "model": "cosines", "horizon": 0}
-    >>> snaps = snapmap.srs_test(device, C=[25], **shaken).snaps
+    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> snaps = snapmap.srs_test(study, [(500, 700), (2000, 1500)], 25, records=2).snaps
     >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
     [0.0, 1.0]
     """
     points = check_points(srs)
-    study, axes = study_of(device, model, options, C=C)
     study.require_frame("a shock response spectrum")
-    return trips_of(study, axes, points, {"records": records, "seed": seed})
+    if len(study.shocks.directions) > 1:
+        raise ValueError("study.direction: has several; write one")
+    return trips_of(study, {**(axes or {}), "C": C}, points, {"records": records, "seed": seed})
 
 
 def trips_of(
-    study: Study, axes: Mapping[str, Sequence[float]], points: np.ndarray, drawn: Mapping
+    study: Study, axes: Mapping[str, Any], points: np.ndarray, drawn: Mapping
 ) -> xr.Dataset:
     """Follow a study's devices under records of a spectrum, as `srs_test` returns it.
 
@@ -80,13 +94,14 @@ def trips_of(
     exists, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
     rows, first = rows.take(exists), records[0].pulse
     draws = len(seeds) * draw_seconds(points, first)
-    tell_records("srs_test", model, rows, first, study.settings, len(seeds), draws)
+    probe = Probe(model, rows, study.run, "snap")
+    tell_records("srs_test", probe, first, len(seeds), draws)
     records += [record(points, seed) for seed in seeds[1:]]
     pulses, peaks, deviations = map(list, zip(*records, strict=True))
     is_upward = DIRECTIONS[study.shocks.directions[0]] > 0
     shaking = pulses if is_upward else [pulse.reversed() for pulse in pulses]
     snaps = np.full((exists.size, len(pulses), len(FACTORS)), np.nan)
-    t_snap = snap_times(model, rows, zip(shaking, peaks, strict=True), FACTORS, study.settings)
+    t_snap = snap_times(probe, zip(shaking, peaks, strict=True), FACTORS)
     snaps[exists] = np.where(np.isinf(t_snap), np.nan, np.isfinite(t_snap))
     snaps = snaps.reshape(*grid.shape, len(pulses), len(FACTORS))
     data = {
@@ -95,52 +110,41 @@ def trips_of(
         "deviation": ("record", [dB[abs(dB).argmax()] for dB in deviations]),
         "snaps": ((*grid.axes, "record", "factor"), snaps),
     }
-    document = study.document(THRESHOLD_SETTINGS) | {"srs": points.tolist(), **drawn}
+    document = study.document(OF_THRESHOLDS) | {"srs": points.tolist(), **drawn}
     return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
 
 
-def tell_records(
-    what: str,
-    model: Follows,
-    rows: Rows,
-    pulse: Pulse,
-    settings: Settings,
-    records: int,
-    drawn: float = 0.0,
-) -> None:
+def tell_records(what: str, probe: Probe, pulse: Pulse, records: int, drawn: float = 0.0) -> None:
     """Warn if rows under records take long, and refuse them if they take too long.
 
-    what: name of the function; rows: their f0 and pulse do not matter; pulse: one of the records
+    what: name of the function; probe: f0 and pulse of its rows do not matter
+    pulse: one of the records
     records: their number; drawn: core time to draw them, s
     """
-    under = to_rows(rows.device, 1e6 / pulse.duration, rows.C, 0, (pulse,))
-    followed = PER_RECORD * records * float(run_seconds(model, under, settings).sum())
+    rows = to_rows(probe.rows.device, 1e6 / pulse.duration, probe.rows.C, 0, (pulse,))
+    under = probe._replace(rows=rows, until="edge")
+    followed = PER_RECORD * records * float(run_seconds(under).sum())
     lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
-    seconds = drawn + followed / settings.threads
+    seconds = drawn + followed / probe.settings.threads
     tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=4)
 
 
 def snap_times(
-    model: Follows,
-    rows: Rows,
-    records: Iterable[tuple[Pulse, float]],
-    levels: Sequence[float],
-    settings: Settings,
+    probe: Probe, records: Iterable[tuple[Pulse, float]], levels: Sequence[float]
 ) -> np.ndarray:
     """Find when records at levels snap rows, us, (rows, records, levels).
 
-    rows: their f0 and pulse do not matter; records: pulses with their peaks, g
+    probe: f0 and pulse of its rows do not matter; records: pulses with their peaks, g
     levels: factors of the records. A run without a snap has NaN, a failed run -inf.
     """
     pulses, peaks = zip(*records, strict=True)
-    device, C = rows.device[:, np.newaxis], rows.C[:, np.newaxis]
+    device, C = (column[:, np.newaxis] for column in (probe.rows.device, probe.rows.C))
     f0 = [1e6 / pulse.duration for pulse in pulses]
-    cells = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
-    ask = asker(model, cells, settings, until="snap")
+    rows = to_rows(device, f0, C, np.arange(len(pulses)), pulses)
     # A spectrum is in g, whatever N counts.
-    N = np.array(peaks)[cells.pulse] * (G / np.atleast_1d(model.device.gravity)[cells.device])
-    t_snap = ask(np.multiply.outer(N, levels))
-    return t_snap.reshape(rows.C.size, len(pulses), len(levels))
+    N = np.array(peaks)[rows.pulse] * (G / np.atleast_1d(probe.model.device.gravity)[rows.device])
+    t_snap = probe._replace(rows=rows)(np.multiply.outer(N, levels))
+    return t_snap.reshape(C.size, len(pulses), len(levels))
 
 
 def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:

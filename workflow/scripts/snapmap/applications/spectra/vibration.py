@@ -2,20 +2,21 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Annotated, Unpack
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypeAliasType
 
-from ...device.argument import number
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
-from ...solver.options import AutoOptions
-from ...study import arguments
-from ...study.study import THRESHOLD_SETTINGS, Study, study_of
+from ...study.arguments import AnyStudy, Axes
+from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
+from ...thresholds.probe import Probe
+from ...values.kinds import Single
+from ...values.quantities import Dampers, Fraction, Seed
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
 
@@ -37,67 +38,84 @@ ENOUGH = 1e-12
 """Least determinant of a fit, relative, at which its slope is determined."""
 
 
-class VibrationOptions(AutoOptions, arguments.AxisOptions, total=False):
-    """Options of `vibration`."""
-
-    energy_tolerance: arguments.EnergyTolerance
-    threads: arguments.Threads
+Seconds = TypeAliasType("Seconds", Annotated[float | str, Single("a duration", "s", "60 s")])
 
 
 def vibration(
-    device: arguments.Devices,
+    study: AnyStudy,
     psd: Density,
-    duration: Annotated[float, number("(0, inf)", "s", "60")],
-    C: arguments.Dampers,
+    duration: Seconds,
+    C: Dampers,
+    *,
     records: Records = RECORDS,
-    seed: arguments.Seed = SEED,
-    model: arguments.Model = "auto",
-    reach: Annotated[float, number("(0, 1)", "", "0.01")] = REACH,
-    **options: Unpack[VibrationOptions],
+    seed: Seed = SEED,
+    reach: Fraction = REACH,
+    axes: Axes | None = None,
 ) -> xr.Dataset:
     """Find how often Gaussian vibration snaps a device, and the level that it withstands.
 
-    psd: one-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales
-    duration: s
-    records: number of records from rest, each of a second or ten periods of the lowest frequency,
-        at most the duration
-    seed: of the random phases
-    reach: probability of a snap within the duration at the returned level
-    options: energy_tolerance, threads, skip, device axes, model options; `auto` takes 5 cosines
-    The Dataset holds, over (..., C), `rate` and `probability` under this spectrum, with Poisson's
-    bounds, and `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it
-    is NaN, from 0 to inf; if none snaps at any level, inf. The attribute `rms` is that of the
-    spectrum (g).
+    Parameters
+    ----------
+    study
+        Devices and model, of which `auto` takes 5 cosines; or a Device.
+    psd
+        One-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales.
+    duration
+        Duration of the vibration, s.
+    C
+        Dampings of the mass, uN us/um, each once.
+    records
+        Number of records from rest, each of a second or ten periods of the lowest frequency, at
+        most the duration.
+    seed
+        Seed of the random phases.
+    reach
+        Probability of a snap within the duration at the returned level.
+    axes
+        Values of the device, internal units, by name.
 
+    Returns
+    -------
+    Dataset
+        Over (..., C): `rate` and `probability` under this spectrum, with Poisson's bounds, and
+        `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it is NaN,
+        from 0 to inf; if none snaps at any level, inf. `rms` is that of the spectrum (g).
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> shaken = {"psd": [(20, 4.0), (2000, 4.0)], "duration": 0.1, "model": "cosines"}
-    >>> rates = snapmap.vibration(device, C=[25], records=2, reach=0.5, **shaken)
-    >>> round(rates.rms), rates.snaps.values.tolist()
+    >>> study, psd = snapmap.Study(device, model="cosines"), [(20, 4.0), (2000, 4.0)]
+    >>> rates = snapmap.vibration(study, psd, 0.1, 25, records=2, reach=0.5)
+    >>> round(rates.rms.item()), rates.snaps.values.tolist()
     (89, [0.0])
     """
-    study, axes = study_of(device, model, options, C=C)
     study.require_frame("random vibration")
     spectrum = Spectrum(psd)
     spectrum.require_record(duration)
     drawn = {"duration": duration, "records": records, "seed": seed, "reach": reach}
-    return vibration_of(study, axes, spectrum, drawn)
+    return vibration_of(study, {**(axes or {}), "C": C}, spectrum, drawn)
 
 
 def vibration_of(
-    study: Study, axes: Mapping[str, Sequence[float]], spectrum: Spectrum, drawn: Mapping
+    study: Study, axes: Mapping[str, Any], spectrum: Spectrum, drawn: Mapping
 ) -> xr.Dataset:
     """Find the rate and the level of a study's devices, as `vibration` returns them.
 
     study: its pulse does not matter
     axes: values of the device, and C; drawn: duration, records, seed and reach
     """
-    study = replace(study, shocks=HANDOUT_SHOCK)
+    study = study.under(HANDOUT_SHOCK)
     grid = study.set_out(axes)
     T, records, seed, reach = (drawn[key] for key in ("duration", "records", "seed", "reach"))
     length, rms = spectrum.record_length(T), spectrum.rms
     model = choose_survey(grid.device, study.model).decides.with_step(STEP)
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
-    settings = study.settings._replace(horizon=0.0)
+    probe = Probe(model, rows, study.run.but(horizon=0.0), "snap")
     first, _ = spectrum.record(length, [seed, 0])
     together = max(1, PIECES // len(first.pieces))
 
@@ -107,27 +125,27 @@ def vibration_of(
         for begin in range(0, records, together):
             numbers = range(begin, min(begin + together, records))
             pulses = [spectrum.record(length, [seed, number]) for number in numbers]
-            t_snap = snap_times(model, rows.take(which), pulses, [level], settings)[..., 0]
+            t_snap = snap_times(probe.take(which), pulses, [level])[..., 0]
             failed, snapped = np.isinf(t_snap), np.isfinite(t_snap)
             time = np.where(snapped, t_snap * 1e-6, np.where(failed, 0.0, length))
             counts += [column.sum(axis=1) for column in (snapped, failed, time)]
         return counts
 
     exists = rows.device >= 0
-    tell_records("vibration", model, rows.take(exists), first, settings, records)
+    tell_records("vibration", probe.take(exists), first, records)
     ladder = _climb(follow, exists, records)
     needed = -math.log1p(-reach) / T
     levels = np.array([_level(ladder, row, needed) for row in range(exists.size)]) * rms
     data = _rates(ladder[0], T)
     data |= dict(zip(("level", "level_low", "level_high"), levels.T, strict=True))
     section = {"psd": [spectrum.f.tolist(), spectrum.density.tolist()], **drawn}
-    document = study.document(THRESHOLD_SETTINGS) | {"vibration": section}
-    columns = {
+    document = study.document(OF_THRESHOLDS) | {"vibration": section}
+    columns: dict[str, Any] = {
         key: (tuple(grid.axes), np.where(exists, values, np.nan).reshape(grid.shape))
         for key, values in data.items()
     }
-    about = {"rms": rms, "record_length": length, **drawn}
-    return dress("vibration", xr.Dataset(columns, grid.axes), document, **about)
+    columns |= {"rms": rms, "record_length": length}
+    return dress("vibration", xr.Dataset(columns, grid.axes), document, **drawn)
 
 
 def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.ndarray]:
@@ -138,7 +156,7 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
     Returns the same by rung, every one near the lowest snap, else every STRIDE-th; NaN for rows
     not followed there.
     """
-    ladder = {}
+    ladder: dict[int, np.ndarray] = {}
 
     def count(rung, which):
         counts = ladder.setdefault(rung, np.full((3, exists.size), np.nan))
@@ -156,7 +174,7 @@ def _climb(follow: Callable, exists: np.ndarray, records: int) -> dict[int, np.n
             stays = snaps + failed < records if side > 0 else snaps > 0
             last[left], left, rung = rung, left[stays], rung + side * STRIDE
     for rung in range(none_snaps[every].min(initial=0), all_snap[every].max(initial=0)):
-        low = np.array([_last_quiet(ladder, row) for row in every], int)
+        low = np.array([_last_quiet(ladder, row) for row in every], np.int64)
         count(rung, every[(low < rung) & (rung < all_snap[every])])
     return ladder
 
@@ -173,7 +191,7 @@ def _last_quiet(ladder, row):
     return max((rung for rung in counts if rung < first), default=min(counts, default=0))
 
 
-def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, float, float]:
+def _level(ladder: Mapping[int, np.ndarray], row: int, needed: float) -> tuple[float, ...]:
     """Find the level over the given one at which the rate is `needed`, 1/s, and its bounds."""
     counts = _counts(ladder, row)
     first = next((rung for rung, (snaps, _) in counts.items() if snaps > 0), None)

@@ -5,8 +5,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...device.quantities import plain
 from ...figures import style
+from ...files.text import plain
 
 TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
 GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
@@ -36,8 +36,10 @@ def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
     largest = statics.largest_force, r"F_\mathrm{max}", 1, (-3, 2), {"ha": "right", "va": "bottom"}
     least = statics.least_force, r"F_\mathrm{min}", 0, (3, -3), {"ha": "left", "va": "top"}
     for force, symbol, end, offset, side in (largest, least):
+        if np.isnan(force):
+            continue
         ax.axhline(force, **PEAK)
-        words = f"${symbol}$ = {plain(force)} µN".replace("-", "−")
+        words = f"${symbol}$ = {plain(force.item())} µN".replace("-", "−")
         ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
     ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
@@ -51,10 +53,10 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     """
     taken = statics.isel(branch=0).sortby("displacement")
     second = np.interp(statics.rise - statics.second_equilibrium, taken.displacement, taken.energy)
-    _draw_branches(ax, statics, statics.energy, [0, statics.barrier, second])
+    _draw_branches(ax, statics, statics.energy, [0, statics.barrier.item(), second])
     ax.set_ylabel("energy of the beam (pJ)")
-    if statics.barrier:
-        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier)} pJ"
+    if statics.barrier > 0:
+        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier.item())} pJ"
         ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
     return ax
 
@@ -68,7 +70,7 @@ def _draw_branches(ax, statics, values, heights):
             ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
     ax.set_xlabel("displacement of the midpoint, downward (µm)")
     places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
-    stable = slice(0, None, 2) if statics.barrier else slice(1)
+    stable = slice(0, None, 2) if statics.barrier > 0 else slice(1)
     ax.plot(places[stable], heights[stable], **STABLE, label="stable shape")
-    if statics.barrier:
+    if statics.barrier > 0:
         ax.plot(places[1], heights[1], **UNSTABLE, label="saddle")

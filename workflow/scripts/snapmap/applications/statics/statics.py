@@ -1,6 +1,7 @@
 """The beam pushed slowly: force and energy over the displacement of its midpoint."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,8 +17,9 @@ from ...beam.equilibria import (
 )
 from ...beam.limit_loads import largest_force
 from ...beam.modal import first_midpoint
-from ...numerics.portable import sine
-from ...study import arguments
+from ...device.device import Device
+from ...numerics.portable import sines
+from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
 from ...study.variables import dress
 from .. import merge
@@ -31,24 +33,41 @@ LEAST_LOG = -32.0
 """Least ln x in `_tilted`; no imperfection is so small that N comes nearer to the load."""
 
 
-def statics(device: arguments.SingleDevice) -> xr.Dataset:
+def statics(study: SingleStudy) -> xr.Dataset:
     """Push the midpoint of a beam slowly from the first shape to the second and beyond.
 
-    Returns displacement (um), force (uN) and energy (pJ) over (branch, point). Branches:
+    Parameters
+    ----------
+    study
+        A Device, or a Study, of which only the device matters.
 
-    - `guided`: a symmetric beam (Vangbo, 1998)
-    - `unbranched`: the second mode suppressed (not physical)
-    - `tilted`: a beam free to tilt, with its imperfection
+    Returns
+    -------
+    Dataset
+        `displacement` (um), `force` (uN) and `energy` (pJ) over (branch, point). Branches are
+        `guided`, a symmetric beam (Vangbo, 1998); `unbranched`, the second mode suppressed, which
+        is not physical; and `tilted`, a beam free to tilt, with its imperfection.
+        Without dimension, of the beam's own path: `largest_force` and `least_force` between the
+        shapes (uN; above 0 the beam returns by itself), w(L/2) of both shapes and the saddle
+        (`rise`, `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0
+        without a second stable shape), and `hold_force` (uN) on an electrode.
 
-    Attributes of the beam's own path: `largest_force` and `least_force` between the shapes (uN;
-    above 0 the beam returns by itself), w(L/2) of both shapes and the saddle (`rise`,
-    `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0 without a second
-    stable shape), and `hold_force` (uN) on an electrode.
+    Raises
+    ------
+    ValueError
+        One line, if the study has several devices.
 
+    Examples
+    --------
     >>> path = snapmap.statics(snapmap.load_device("config/config.yaml"))
-    >>> round(path.largest_force, 2), round(path.least_force, 2)
+    >>> round(path.largest_force.item(), 2), round(path.least_force.item(), 2)
     (70.67, -32.54)
     """
+    return statics_of(study.device)
+
+
+def statics_of(device: Device) -> xr.Dataset:
+    """Push the midpoint of a device's beam, as `statics` does."""
     modes, shapes = buckling_modes(device.beam), shapes_of(device.beam)
     barrier = find_barrier(device.beam, shapes)
     first = first_midpoint(shapes, device.beam).item()
@@ -57,25 +76,24 @@ def statics(device: arguments.SingleDevice) -> xr.Dataset:
     branches, w = _symmetric_paths(device.beam, symmetric, modes.buckling[1, 0])
     if device.beam.free:
         # With an imperfection the path bends sharply at both ends of the straight part.
-        first, last = w[POINTS], w[2 * POINTS - 1]
-        share = (1 - np.vectorize(sine)(np.linspace(0.25, 0.75, POINTS))) / 2
-        w = np.concatenate([w[:POINTS], first + (last - first) * share, w[2 * POINTS :]])
+        begin, end = w[POINTS], w[2 * POINTS - 1]
+        share = (1 - sines(np.linspace(0.25, 0.75, POINTS))) / 2
+        w = np.concatenate([w[:POINTS], begin + (end - begin) * share, w[2 * POINTS :]])
         branches = {"tilted": (w, *_tilted(modes, w)), **branches}
     values = dict(zip(PATH, map(np.stack, zip(*branches.values(), strict=True)), strict=True))
     w, force = values["displacement"][0], values["force"][0]
-    data = {key: (("branch", "point"), column) for key, column in values.items()}
-    return dress(
-        "statics",
-        xr.Dataset(data, {"branch": list(branches)}),
-        device_sections(device),
-        rise=first,
-        second_equilibrium=barrier.second,
-        saddle=first + barrier.midpoint,
-        barrier=barrier.energy,
-        largest_force=float(force[: 2 * POINTS].max()),
-        least_force=float(force[POINTS:].min()),
-        **merge("in_statics", device, first, w, force),
-    )
+    data: dict[str, Any] = {key: (("branch", "point"), column) for key, column in values.items()}
+    data |= {
+        "rise": first,
+        "second_equilibrium": barrier.second,
+        "saddle": first + barrier.midpoint,
+        "barrier": barrier.energy,
+        "largest_force": force[: 2 * POINTS].max(),
+        "least_force": force[POINTS:].min(),
+        **merge(lambda part: part.in_statics(device, first, w, force)),
+    }
+    path = xr.Dataset(data, {"branch": list(branches)})
+    return dress("statics", path, device_sections(device))
 
 
 def _symmetric_paths(beam, modes, tilts):

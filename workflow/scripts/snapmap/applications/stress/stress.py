@@ -27,7 +27,7 @@ def stress_of_cube(study: Study, cube: xr.Dataset) -> xr.Dataset:
     cube = thin(cube.sortby([key for key in cube.outcome.dims if key not in NAMES]))
     axes = {key: cube[key].values for key in cube.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
-    grid, settings = replace(study.part(names), skip=True).set_out(axes), study.settings
+    grid, settings = replace(study.part(names), skip=True).set_out(axes), study.run
     levels = motion_levels(grid.device, study.model, settings)
     level = cube.level.values.ravel() if "level" in cube else np.zeros(cube.outcome.size, int)
     cells = rows_of(grid).cells(grid.device, grid.axes["N"], settings.horizon).flat()

@@ -3,32 +3,32 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import Annotated, Unpack
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.argument import mapping_of, number
-from ...device.device import VALUES
-from ...device.quantities import plain
-from ...device.samples import SAMPLES, SEED, SHOCK_FACTORS, Groups, Plan, Samples, Tolerances
+from ...device.samples import (
+    SAMPLES,
+    SEED,
+    SHOCK_FACTORS,
+    Groups,
+    Plan,
+    Samples,
+    Scatters,
+    Tolerances,
+)
+from ...files.text import plain
 from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
-from ...study import arguments
+from ...study.arguments import AnyStudy, Requirements
 from ...study.axes import COORDINATES, NAMES
-from ...study.study import (
-    ARRIVES,
-    SNAPS,
-    THRESHOLD_SETTINGS,
-    Study,
-    of_requirement,
-    study_of,
-    with_shocks,
-)
+from ...study.shock import Shock, take_shock
+from ...study.study import ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
+from ...values.quantities import Amplitudes, Dampers, Frequencies, Refinement, Seed
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantile_bounds, quantiles
 
@@ -38,60 +38,80 @@ AMPLITUDES = 101
 
 BOUND = ("low", "high")
 
-Scatters = Annotated[
-    Mapping[str, float | str | Mapping],
-    mapping_of(
-        'what can scatter to its width, such as {"thickness": "3 %"}', *VALUES, "N", "duration", "C"
-    ),
-]
-
 
 def tolerance(
-    device: arguments.Devices,
+    study: AnyStudy,
     scatters: Scatters,
-    f0: arguments.Frequencies | None,
-    C: arguments.Dampers,
-    N: arguments.Amplitudes | None = None,
-    model: arguments.Model = "auto",
-    tolerance: Annotated[float, number("[1e-5, 0.01]", "", "1e-3")] = 1e-3,
+    f0: Frequencies | None,
+    C: Dampers,
+    N: Amplitudes | None = None,
+    *,
+    threshold_tolerance: Refinement = 1e-3,
     samples: Samples = SAMPLES,
     index_samples: Samples | None = None,
-    seed: arguments.Seed = SEED,
+    seed: Seed = SEED,
     together: Groups = (),
-    requirements: arguments.Requirements = (),
-    **options: Unpack[arguments.ThresholdOptions],
+    requirements: Requirements = (),
 ) -> xr.Dataset:
-    """Find the thresholds of devices whose values scatter, over C (uN us/um) and f0 (Hz).
+    """Find the thresholds of devices whose values scatter.
 
-    scatters: standard deviation of each value, in internal units or as a share such as "5 %", or
+    Parameters
+    ----------
+    study
+        Devices, model and shocks; or a Device.
+    scatters
+        Standard deviation of each value, in internal units or as a share such as "5 %", or
         {kind: width} of normal, uniform (half width), lognormal or truncated (at two standard
-        deviations); N, duration and C scatter from shock to shock, in shares
-    N: multiples of g for probabilities; None for the range of thresholds
-    model: `auto` takes the cheapest level within its tolerance, 0.1 % by default
-    tolerance: relative refinement of each threshold
-    samples: number of devices
-    index_samples: number of devices for Sobol indices; None for as many as are affordable
-    seed: of the random devices
-    together: groups of names, as [["span", "rise"]]; a single draw moves each group
-    requirements: as of `design`, optionally with survives (whether the beam must not break)
-    options: horizon, energy_tolerance, threads, start, pulse, direction, model options
+        deviations); N, duration and C scatter from shock to shock, in shares.
+    f0
+        Frequencies of the pulse, Hz, each once; None for a recorded shock.
+    C
+        Dampings of the mass, uN us/um, each once.
+    N
+        Multiples of g for probabilities; by default the range of thresholds.
+    threshold_tolerance
+        Relative refinement of each threshold.
+    samples
+        Number of devices.
+    index_samples
+        Number of devices for Sobol indices; by default as many as are affordable.
+    seed
+        Seed of the random devices.
+    together
+        Groups of names, as [["span", "rise"]]; a single draw moves each group.
+    requirements
+        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction, start, and survives
+        (whether the beam must not break).
 
+    Returns
+    -------
+    Dataset
+        Statistics of the thresholds over (..., C, f0), probabilities of a snap over N, Sobol
+        indices over what scatters, and the yield under the requirements.
+
+    Raises
+    ------
+    ValueError
+        A line for each argument that is wrong, or one on a sample that cannot exist.
+
+    Examples
+    --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, [1500], [25], samples=64)
+    >>> made = snapmap.tolerance(device, {"thickness": "5 %"}, 1500, 25, samples=64)
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    study, axes = study_of(device, model, options, C=C, f0=f0, N=N)
-    requirements = [with_shocks(required, study.shocks) for required in requirements]
+    shocks = [take_shock(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
-    return tolerances_of(study, axes, tolerances, requirements, tolerance)
+    axes = {"C": C, "f0": f0, "N": N}
+    return tolerances_of(study, axes, tolerances, shocks, threshold_tolerance)
 
 
 def tolerances_of(
     study: Study,
     axes: Mapping[str, Sequence[float]],
     tolerances: Tolerances,
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
     tolerance: float = 1e-3,
 ) -> xr.Dataset:
     """Find the thresholds of a study's devices as made, as `tolerance` returns them.
@@ -115,7 +135,7 @@ def tolerances_of(
         if f"{key}_factor" in data:
             attributes = {"long_name": f"{key} over its nominal value", "units": "1"}
             data[f"{key}_factor"].attrs = attributes
-    document = study.document(THRESHOLD_SETTINGS)
+    document = study.document(OF_THRESHOLDS)
     document["tolerances"] = tolerances.section
     dataset = dress("tolerance", data, document, threshold_tolerance=tolerance)
     if requirements:
@@ -128,7 +148,7 @@ def tolerances_of(
 
 def _of_device(study, axes, tolerances, requirements, tolerance):
     """The dataset of one device, without attributes."""
-    settings, samples, device = study.settings, tolerances.samples, study.device
+    settings, samples, device = study.run, tolerances.samples, study.device
     C, f0 = (np.atleast_1d(np.asarray(axes[key], float)) for key in ("C", "f0"))
     groups = study.shocks.axes | {"C": C, "f0": f0}
     shape = [values.size for values in groups.values()]
@@ -177,7 +197,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
         data |= _share("latched", count, size, along)
     if requirements:
-        named["requirement"] = [required["name"] for required in requirements]
+        named["requirement"] = [required.name for required in requirements]
         batches = [batch]
         if "temperature" in axes:
             tempered = [
@@ -214,22 +234,21 @@ def _requirements(batches, study, requirements, C, tolerance):
     """
     first, meets = [], []
     for required in requirements:
-        settings, levels, met = of_requirement(study, required).settings, [], []
-        for batch, shocks in product(batches, required["shocks"].each()):
-            rows = to_rows(0, required["f0"], C, 0, shocks.pulses)
+        settings, levels, met = required.shaken(study).run, [], []
+        for batch, shocks in product(batches, required.shocks.each()):
+            rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
             met.append(batch.meets(required, rows, settings))
         # NaN, where nothing snaps, is above every N.
-        worst = np.maximum if required["snaps"] in (True, ARRIVES) else np.fmin
+        worst = np.maximum if required.snaps in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))
         meets.append(np.all(met, axis=0))
     meets, along = np.array(meets), ("requirement", "C")
-    N, f0 = ([required[key] for required in requirements] for key in ("N", "f0"))
-    must = [SNAPS[required["snaps"]] for required in requirements]
+    must = [SNAPS[required.snaps] for required in requirements]
     data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
-        "N_required": ("requirement", np.array(N, float)),
-        "f0_required": ("requirement", np.array(f0, float)),
+        "N_required": ("requirement", np.array([required.N for required in requirements], float)),
+        "f0_required": ("requirement", np.array([required.f0 for required in requirements], float)),
         "must_snap": ("requirement", np.array(must, np.int8)),
     }
     data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
@@ -241,7 +260,7 @@ def _requirements(batches, study, requirements, C, tolerance):
         data["stress_max"] = ("requirement", "sample", "C"), largest
         broken = break_probability(study.device, stress).sum(axis=1)
         data |= _share("share_breaking", broken, followed.size, along)
-        survives = [bool(required.get("survives", True)) for required in requirements]
+        survives = [required.survives > 0 for required in requirements]
         most = stress[survives].max(axis=0, initial=0.0)
         weight[followed] *= 1 - break_probability(study.device, most)
         weight = weight[: followed.max(initial=-1) + 1]
@@ -254,16 +273,16 @@ def _stresses(batch, study, requirements, C):
     It is NaN for samples that are not followed.
     """
     singles = [
-        required | {"shocks": shocks}
+        replace(required, shocks=shocks)
         for required in requirements
-        for shocks in required["shocks"].each()
+        for shocks in required.shocks.each()
     ]
     stress = batch.stresses(study, singles, C)
     largest = np.full((len(requirements), batch.bistable.size, len(C)), np.nan)
     followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
     begin = 0
     for row, required in zip(largest, requirements, strict=True):
-        end = begin + len(required["shocks"].pulses)
+        end = begin + len(required.shocks.pulses)
         row[followed], begin = stress[begin:end].max(axis=0), end
     return largest
 
@@ -280,14 +299,14 @@ def summary(tolerance: xr.Dataset) -> str:
     total = tolerance.sensitivity.sel(order="total")
     named = [dim for dim in NAMES if dim in total.dims]
     total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
-    most = {}
+    most: dict[str, list[str]] = {}
     for place in product(*(range(total.sizes[dim]) for dim in named)):
         indices = total.isel(dict(zip(named, place, strict=True)))
         if indices.notnull().any():
             names = " ".join(str(indices[dim].item()) for dim in named)
             most.setdefault(indices.idxmax().item(), []).append(names)
-    for key, names in most.items():
-        words.append(f"most by {key} ({', '.join(names)})" if len(most) > 1 else f"most by {key}")
+    for key, places in most.items():
+        words.append(f"most by {key} ({', '.join(places)})" if len(most) > 1 else f"most by {key}")
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in tolerance:
             shares = tolerance[key]

@@ -9,8 +9,10 @@ from ...device.samples import Tolerances
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...solver.cost import steps_and_seconds
-from ...study.study import Study, of_requirement
+from ...study.shock import Shock
+from ...study.study import Study
 from ...thresholds.cost import run_seconds
+from ...thresholds.probe import Probe
 
 PER_ROW, PER_SAMPLE = 3000, 3
 """Approximate numbers of runs: to bracket the thresholds of a row, and to find that of a sample."""
@@ -20,7 +22,7 @@ def made_seconds(
     study: Study,
     axes: Mapping[str, np.ndarray],
     tolerances: Tolerances,
-    requirements: Sequence[Mapping] = (),
+    requirements: Sequence[Shock] = (),
 ) -> float:
     """Forecast the core time of `tolerances_of`, s."""
     pulse = np.arange(len(study.shocks.pulses))[:, np.newaxis, np.newaxis]
@@ -29,24 +31,24 @@ def made_seconds(
     seconds = 0.0
     for device in study.devices().values():
         model = choose_survey(batch([device]), study.model).decides
-        seconds += _of_rows(model, rows, study.settings, every)
+        seconds += _of_rows(Probe(model, rows, study.run), every)
         if device.beam.damping > 0:
-            cells = rows.cells(model.device, axes["N"], study.settings.horizon)
-            _, to_end = steps_and_seconds(model, cells, study.settings)
+            cells = rows.cells(model.device, axes["N"], study.run.horizon)
+            _, to_end = steps_and_seconds(model, cells, study.run)
             seconds += tolerances.followed(to_end.size) * float(to_end.sum())
         for required in requirements:
-            shock = to_rows(0, required["f0"], axes["C"], 0, required["shocks"].pulses)
-            settings = of_requirement(study, required).settings
-            cells = shock.cells(model.device, required["N"], settings.horizon)
-            _, to_end = steps_and_seconds(model, cells, settings._replace(until="settled"))
-            _, moving = steps_and_seconds(model, cells, settings._replace(until="moved"))
-            of_sample = (required["snaps"] is True) * to_end + (device.strength < np.inf) * moving
-            judged = _of_rows(model, shock, settings, tolerances.samples)
+            shock = to_rows(0, required.f0, axes["C"], 0, required.shocks.pulses)
+            settings = required.shaken(study).run
+            cells = shock.cells(model.device, required.N, settings.horizon)
+            _, to_end = steps_and_seconds(model, cells, settings.but(until="settled"))
+            _, moving = steps_and_seconds(model, cells, settings.but(until="moved"))
+            of_sample = (required.snaps is True) * to_end + (device.strength < np.inf) * moving
+            judged = _of_rows(Probe(model, shock, settings), tolerances.samples)
             judged += tolerances.samples * float(of_sample.sum())
             seconds += judged * len(axes.get("temperature", [0]))
     return seconds
 
 
-def _of_rows(model, rows, settings, samples):
+def _of_rows(probe, samples):
     runs = PER_ROW + PER_SAMPLE * samples
-    return runs * float(run_seconds(model, rows, settings).sum())
+    return runs * float(run_seconds(probe).sum())

@@ -1,19 +1,26 @@
 """The region of two axes where required shocks are met.  Imports: requirements."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..application import Application, Figures, Files
 from ..requirements import plain_shocks, shocks_of
 
-rule, message = "find_window", "Find the window of the requirements"
-part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ...config.study import Config
 
 
-def design_axes(study):
+def design_axes(study: Config) -> dict[str, np.ndarray]:
     """The axes of a study that a design chooses, with their values."""
     from ...config.study import DESIGN
 
     return {key: values for key, values in study.axes.items() if key in DESIGN}
 
 
-def choose_axes(study):
+def choose_axes(study: Config) -> tuple[str, ...]:
     """Choose the axes of the window: the two design axes of several values, or none."""
     from ...study.axes import DEVICE
 
@@ -22,48 +29,52 @@ def choose_axes(study):
     return chosen if len(chosen) == 2 and DEVICE not in several else ()
 
 
-def outputs(study):
-    """The window, if the study has required shocks and two design axes."""
-    is_drawn = shocks_of(study) and choose_axes(study)
-    return {"window": "results/window.nc"} if is_drawn else {}
+class Window(Application):
+    rule, message = "find_window", "Find the window of the requirements"
+    part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
+
+    def outputs(self, study: Config) -> Files:
+        """The window, if the study has required shocks and two design axes."""
+        is_drawn = shocks_of(study) and choose_axes(study)
+        return {"window": "results/window.nc"} if is_drawn else {}
+
+    def params(self, study: Config) -> dict[str, Any]:
+        """The axes, required shocks, and the section `tolerances`."""
+        tolerances = study.requests.get("tolerances")
+        return {
+            "axes": {key: values.tolist() for key, values in design_axes(study).items()},
+            "requirements": plain_shocks(study),
+            "tolerances": tolerances._asdict() if tolerances else {},
+        }
+
+    def run(self, study: Config, path: str) -> None:
+        """Find where required shocks are met, and which share of devices meets them."""
+        from ...study.netcdf import write_product
+        from .window import summary, window_of
+
+        tolerances = study.requests.get("tolerances")
+        axes = design_axes(study)
+        dataset = window_of(study.of_thresholds(), axes, shocks_of(study), tolerances)
+        write_product(dataset, path, lambda window: summary(window, study.units))
+
+    def figures(self, study: Config) -> Figures:
+        """A figure over both axes, with their units."""
+        units = {key: study.units.get(key) for key in choose_axes(study)}
+        return {"window": {"axes": units}}
+
+    def draw(self, figures: Figures, folder: str, window_path: str) -> None:
+        """Draw where all required shocks are met."""
+        from ...figures import style
+        from ...study.netcdf import open_whole
+        from .figure import draw_window
+
+        units = figures["window"]["axes"]
+        with (
+            open_whole(window_path) as dataset,
+            style.saved(f"{folder}/window", dataset.attrs, 4) as figure,
+        ):
+            x, y = units
+            draw_window(figure, dataset, x, y, units)
 
 
-def params(study):
-    """The axes, required shocks, and the section `tolerances`."""
-    tolerances = study.requests.get("tolerances")
-    return {
-        "axes": {key: values.tolist() for key, values in design_axes(study).items()},
-        "requirements": plain_shocks(study),
-        "tolerances": tolerances._asdict() if tolerances else {},
-    }
-
-
-def run(study, path):
-    """Find where required shocks are met, and which share of devices meets them."""
-    from ...study.netcdf import write_product
-    from .window import summary, window_of
-
-    tolerances = study.requests.get("tolerances")
-    axes = design_axes(study)
-    dataset = window_of(study.of_thresholds(), axes, shocks_of(study), tolerances)
-    write_product(dataset, path, lambda window: summary(window, study.units))
-
-
-def figures(study):
-    """A figure over both axes, with their units."""
-    units = {key: study.units.get(key) for key in choose_axes(study)}
-    return {"window": {"axes": units}}
-
-
-def draw(figures, folder, window_path):
-    """Draw where all required shocks are met."""
-    from ...figures import style
-    from ...study.netcdf import open_whole
-    from .figure import draw_window
-
-    axes = figures["window"]["axes"]
-    with (
-        open_whole(window_path) as dataset,
-        style.saved(f"{folder}/window", dataset.attrs, 4) as figure,
-    ):
-        draw_window(figure, dataset, *axes, axes)
+application = Window()

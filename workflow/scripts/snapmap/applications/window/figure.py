@@ -41,7 +41,7 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
     data = data.assign_coords({key: data[key].values / sizes[key] for key in sizes})
     reserve = reserves_between(data.reserve.values)
     least = least_reserve(reserve)
-    fields = {"smallest safety factor on $N$": (least, MARGINS)}
+    fields: dict[str, tuple] = {"smallest safety factor on $N$": (least, MARGINS)}
     if "yield" in data:
         fields["share of devices that meet all"] = between(data["yield"].values), SHARES
     if "stress_max" in data:

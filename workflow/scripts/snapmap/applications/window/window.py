@@ -1,19 +1,19 @@
 """Reserves of required shocks over axes of device and damper, and the yield."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from ...beam.stress import break_probability
-from ...device.quantities import QUANTITIES, plain
 from ...device.samples import Plan, Tolerances
+from ...files.text import plain
 from ...numerics.statistics import wilson
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
-from ...study.axes import TEMPERATURE, Units, rows_of
-from ...study.study import ANY, SNAPS, THRESHOLD_SETTINGS, Study, of_requirement
+from ...study.axes import KIND_OF, TEMPERATURE, Units, rows_of
+from ...study.shock import Shock
+from ...study.study import ANY, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...thresholds.surface import first_snaps
@@ -24,31 +24,31 @@ from .between import FAR, between, least_reserve, reserves_between
 def window_of(
     study: Study,
     axes: Mapping[str, Sequence[float]],
-    requirements: Sequence[Mapping],
+    requirements: Sequence[Shock],
     tolerances: Tolerances | None = None,
 ) -> xr.Dataset:
     """Find the thresholds and reserves of required shocks over axes.
 
     axes: values of the device, internal units, and C, uN us/um; of several temperatures, which no
         design chooses, the worst counts for each requirement
-    requirements: mappings of name, shocks, N, f0 (Hz), snaps, survives; the worst shock counts
+    requirements: of several shocks the worst counts
     Variables are N_first and N_error, multiples of g, and reserve, a factor, (requirement, *axes);
     with a strength stress_max, MPa, too; with tolerances yield, (*axes), and its bounds: the share
     of devices that meet all requirements at all temperatures.
     """
     windows, thresholds = [], {}
     for required in requirements:
-        shaken, f0, under = of_requirement(study, required), required["f0"], []
+        shaken, f0, under = required.shaken(study), required.f0, []
         for shocks in shaken.shocks.each():
-            single = replace(shaken, shocks=shocks)
-            pulse = shocks.pulses[0].pieces.tobytes(), shaken.settings, f0
+            single = shaken.under(shocks)
+            pulse = shocks.pulses[0].pieces.tobytes(), shaken.run, f0
             if pulse not in thresholds:
                 surface = first_snaps(single, {**axes, "f0": [f0]})
                 thresholds[pulse] = surface.squeeze("f0", drop=True)
             under.append(_under_shock(single, axes, required, thresholds[pulse]))
         windows.append(_worst(under))
-    design, document = windows[0].reserve.dims, study.document(THRESHOLD_SETTINGS)
-    names = [required["name"] for required in requirements]
+    design, document = windows[0].reserve.dims, study.document(OF_THRESHOLDS)
+    names = [required.name for required in requirements]
     window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
         count = _count_meeting(study, axes, requirements, tolerances)
@@ -86,20 +86,20 @@ def _worst(under):
 
 def _under_shock(study, axes, required, thresholds):
     """The reserve of a requirement under one shock, and the stress; thresholds: of its pulse."""
-    N, survives = required["N"], required["survives"]
+    N, survives = required.N, required.survives
     thresholds = thresholds.drop_attrs()
     first = thresholds.N_first.where(thresholds.status != NOTHING_SNAPS, np.inf)
     window = thresholds[["N_first", "N_error"]]
-    window["reserve"] = N / first if required["snaps"] else first / N
-    if required["snaps"] == ANY:
+    window["reserve"] = N / first if required.snaps else first / N
+    if required.snaps == ANY:
         window["reserve"] = xr.full_like(first, np.inf).where(first.notnull())
-    window["N_required"], window["must_snap"] = N, np.int8(SNAPS[required["snaps"]])
-    grid = study.set_out({**axes, "f0": [required["f0"]]})
+    window["N_required"], window["must_snap"] = N, np.int8(SNAPS[required.snaps])
+    grid = study.set_out({**axes, "f0": [required.f0]})
     if np.isfinite(grid.device.strength).any():
         rows, stress = rows_of(grid), np.full(window.reserve.shape, np.nan)
         rows = rows.take(exists := rows.device >= 0)
-        cells = rows.cells(grid.device, N, study.settings.horizon).flat()
-        largest = largest_stress(grid.device, study.model, cells, study.settings)
+        cells = rows.cells(grid.device, N, study.run.horizon).flat()
+        largest = largest_stress(grid.device, study.model, cells, study.run)
         broken = break_probability(grid.device.pick(cells.device), largest) > 1 - survives
         stress.flat[exists] = largest
         window.reserve.values.flat[np.flatnonzero(exists)[broken]] = 0.0
@@ -116,12 +116,12 @@ def _under_shock(study, axes, required, thresholds):
 
 def _count_meeting(study, axes, requirements, tolerances):
     """Count the samples of the device that meet all requirements, at each point of the axes."""
-    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.settings.start
-    pulses = [pulse for required in requirements for pulse in required["shocks"].pulses]
-    f0 = np.array([required["f0"] for required in requirements for _ in required["shocks"].pulses])
+    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.run.start
+    pulses = [pulse for required in requirements for pulse in required.shocks.pulses]
+    f0 = np.array([required.f0 for required in requirements for _ in required.shocks.pulses])
     # ASSUME: a model that suffices at both ends of C suffices between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
-    choices = choose_levels(study.device, study.model, rows, study.settings)
+    choices = choose_levels(study.device, study.model, rows, study.run)
     meets = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
@@ -131,9 +131,9 @@ def _count_meeting(study, axes, requirements, tolerances):
         values = plan.values(plan.points(tolerances.samples, tolerances.seed)[0])
         batch, meets[place] = Batch(device, values, study.model, choices, start), True
         for required in requirements:
-            settings = of_requirement(study, required).settings
-            for pulse in required["shocks"].pulses:
-                rows = to_rows(0, required["f0"], C, 0, [pulse])
+            settings = required.shaken(study).run
+            for pulse in required.shocks.pulses:
+                rows = to_rows(0, required.f0, C, 0, [pulse])
                 meets[place] &= batch.meets(required, rows, settings).T
     if _varies(axes):
         meets = meets.all(axis=list(axes).index(TEMPERATURE))
@@ -156,9 +156,9 @@ def summary(window: xr.Dataset, units: Units) -> str:
     best = np.unravel_index(np.nanargmax(least), least.shape)
     where = []
     for key, place in zip(axes, best, strict=True):
-        unit, size = units.get(key, (QUANTITIES[key].unit, 1.0))
+        unit, size = units.get(key, (KIND_OF[key].unit, 1.0))
         value = between(window[key].values, 1)[place]
         where.append(f"{key} = {plain(value / size, 6)} {unit}".strip())
     words += f"a factor of {plain(least[best], 4)}, is at {', '.join(where)}"
-    share = between(window["yield"].values)[best] if "yield" in window else np.nan
-    return f"{words}, yield {share:.1%}" if np.isfinite(share) else words
+    meeting = between(window["yield"].values)[best] if "yield" in window else np.nan
+    return f"{words}, yield {meeting:.1%}" if np.isfinite(meeting) else words

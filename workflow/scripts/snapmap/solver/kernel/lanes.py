@@ -6,10 +6,13 @@ import numpy as np
 
 from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
-from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, numbers, vectors
+from .laws import CONTACT, FORCE, LaneLaws, begin_laws, drives
+from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance
 
+Parts = tuple[float, float, float, float]
+"""Energies of beam, mass and contact, and w."""
 MARGIN = 2.0
 """Margin of a proof over the largest residual of the energy ledger so far."""
 ROUNDING = 1e-12
@@ -47,7 +50,7 @@ class Task(NamedTuple):
     """
 
     devices: np.ndarray
-    pulses: tuple[np.ndarray, np.ndarray, np.ndarray]
+    pulses: Pulses
     device: np.ndarray
     pulse: np.ndarray
     amplitude: np.ndarray
@@ -62,12 +65,22 @@ class Task(NamedTuple):
 
 
 @compiled
-def load(work, shape, l, device, damping, amplitude, dt):
+def load(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    l: int,
+    device: np.ndarray,
+    damping: float,
+    amplitude: float,
+    dt: float,
+) -> None:
     """Put a cell at rest into lane l, in coordinates in which every mode has mass 1.
 
     The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
     dt, at most EXACT; so its coordinate is stretched by 1/s = sqrt(G).
-    device: row of `simd_loop.coefficients`; damping: C, uN us/um; amplitude: um/us^2; dt: us
+    laws: `LaneLaws` or None; device: row of `simd_loop.coefficients`
+    damping: C, uN us/um; amplitude: um/us^2; dt: us
     """
     work[l::LANES] = 0.0
     modes = len(shape)
@@ -75,7 +88,7 @@ def load(work, shape, l, device, damping, amplitude, dt):
     drag, square, of_modes = damping * dt / 2, dt * dt, device[R.SIDE + 1 :]
     for name in range(R.AXIAL, R.SIDE + 1):
         X[name, l] = device[name]
-    for name in (R.AXIAL, R.CONTACT, R.K, R.BARRIER):
+    for name in (R.AXIAL, R.CONTACT, R.K, R.BARRIER, R.BARRIER_APART):
         X[name, l] *= square
     X[R.RESIDUAL, l] /= square
     X[R.ALPHA, l] *= dt
@@ -94,7 +107,6 @@ def load(work, shape, l, device, damping, amplitude, dt):
             both = V[R.U, i, l] * V[R.U, j, l]
             V[R.S + i, j, l] = both * element
         V[R.P, i, l] = of_modes[(R.S - R.KAPPA + modes) * modes + i] / V[R.U, i, l]
-    begin(X, V, modes, l)
     X[R.AMPLITUDE, l] = amplitude * square
     mass = X[R.M, l] + X[R.K, l] / 4
     X[R.KEEP, l] = (mass - drag) / (mass + drag)
@@ -109,10 +121,13 @@ def load(work, shape, l, device, damping, amplitude, dt):
     X[R.GAMMA, l] = gamma = b * X[R.AXIAL, l] / 2
     X[R.SOFTENING, l] = b * gamma / 2
     X[R.COMPLIANCE, l] = (b * ee + X[R.B, l]) / 2
+    begin(X, V, modes, l, laws, damping, dt)
 
 
 @inlined
-def begin(X, V, modes, l):
+def begin(
+    X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None, damping: float, dt: float
+) -> None:
     """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
     for i in range(modes):
@@ -122,12 +137,24 @@ def begin(X, V, modes, l):
         X[R.Q, l] += u * V[R.P, i, l]
         w += V[R.E, i, l] * V[R.P, i, l]
     X[R.OVERLAP, l] = w - X[R.Z0, l]
+    if laws is not None:
+        begin_laws(X, l, laws, damping, dt, w)
     X[R.W, l] = X[R.LOWEST, l] = X[R.SIDE, l] * w
-    X[R.AT_START, l] = energies(X, V, modes, l)[0]
+    beam, mass, contact, _ = energies(X, V, modes, l)
+    X[R.AT_START, l] = beam + mass + contact
 
 
 @inlined
-def check_lane(X, V, modes, l, cell, state, task):
+def check_lane(
+    X: Rows,
+    V: Rows,
+    modes: int,
+    l: int,
+    laws: LaneLaws | None,
+    cell: int,
+    state: PulseState,
+    task: Task,
+) -> bool:
     """Return whether the run in lane l is over, after a block; if it is, write its facts."""
     steps, dt = state.steps[l], task.dt[cell]
     if steps <= X[R.LAST_SWING, l]:
@@ -148,6 +175,11 @@ def check_lane(X, V, modes, l, cell, state, task):
         X[R.WORST, l] = worst
         margin = MARGIN * worst + ROUNDING * X[R.BARRIER, l]
         well = proven_well(X, l, (beam, mass, contact, w), margin)
+        if laws is not None and laws.damping != 0 and well != 0:
+            energy = beam + mass + contact + margin
+            speed = np.sqrt(2 * energy / X[R.M, l]) / dt
+            if drives(laws, task.damping[cell], speed, np.sqrt(2 * energy / X[R.K, l])):
+                X[R.WORST, l], well = np.inf, 0
         ended |= not abs(residual) * scale <= OPENED * task.tolerance
     if not (well == 1 or snapped):
         well = 0
@@ -174,7 +206,7 @@ def check_lane(X, V, modes, l, cell, state, task):
 
 
 @inlined
-def half_step_midpoint(V, modes, l):
+def half_step_midpoint(V: Rows, modes: int, l: int) -> float:
     """Return e.p at the last half step."""
     w = 0.0
     for i in range(modes):
@@ -184,12 +216,12 @@ def half_step_midpoint(V, modes, l):
 
 
 @inlined
-def energies(X, V, modes, l):
+def energies(X: Rows, V: Rows, modes: int, l: int) -> Parts:
     """Return the energies of beam, mass and contact, whose sum `advance` conserves, and w.
 
     They hold at the last half step, where products of two instants replace squares.
     """
-    beam = X[R.AXIAL, l] * X[R.Q, l] ** 2 / 4
+    beam = X[R.AXIAL, l] * X[R.Q, l] ** 2 / 4 + X[R.ENERGY + FORCE, l]
     for i in range(modes):
         d, p = V[R.D, i, l], V[R.P, i, l]
         beam += d * d / 2 + V[R.KAPPA, i, l] * p * (p - d) / 2
@@ -197,12 +229,12 @@ def energies(X, V, modes, l):
     middle = y - d / 2
     mass = X[R.M, l] * d * d / 2 + X[R.K, l] * middle * middle / 2
     w = half_step_midpoint(V, modes, l)
-    contact = X[R.CONTACT, l] * max(0.0, X[R.OVERLAP, l]) ** 2 / 2
+    contact = X[R.CONTACT, l] * max(0.0, X[R.OVERLAP, l]) ** 2 / 2 + X[R.ENERGY + CONTACT, l]
     return beam, mass, contact, w
 
 
 @inlined
-def ledger(X, V, modes, l, drag):
+def ledger(X: Rows, V: Rows, modes: int, l: int, drag: float) -> tuple[float, ...]:
     """Return `energies`, and energy + losses - work of the pulse - energy at start; drag: C dt."""
     beam, mass, contact, w = energies(X, V, modes, l)
     swept = drag * X[R.SWEPT, l] + X[R.ALPHA, l] * X[R.BEAM_SWEPT, l]
@@ -211,7 +243,7 @@ def ledger(X, V, modes, l, drag):
 
 
 @inlined
-def proven_well(X, l, parts, margin):
+def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
     """Return the well that the beam can never leave without a shock, or 0 if that is open.
 
     Well 1 is that of the start, 2 the other. Energy only falls after the pulse. The beam cannot
@@ -226,13 +258,13 @@ def proven_well(X, l, parts, margin):
     if beam + mass + contact + margin < barrier:
         return well
     lowest_mass = -np.sqrt(2 * (mass + margin) / X[R.K, l])
-    if beam + margin < barrier and w < saddle < lowest_mass + X[R.Z0, l]:
+    if beam + margin < X[R.BARRIER_APART, l] and w < saddle < lowest_mass + X[R.Z0, l]:
         return well
     return 0
 
 
 @compiled
-def follow_all(work, shape, task):
+def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
     widen_vectors()
     work[:] = 0.0
@@ -245,7 +277,7 @@ def follow_all(work, shape, task):
             if cell_in[l] < 0 and next_cell < task.dt.size:
                 cell_in[l] = cell = next_cell
                 device, dt = task.devices[task.device[cell]], task.dt[cell]
-                load(work, shape, l, device, task.damping[cell], task.amplitude[cell], dt)
+                load(work, shape, laws, l, device, task.damping[cell], task.amplitude[cell], dt)
                 begin_pulse(work, l, state, task.pulses, task.pulse[cell], task.f0[cell] * dt)
                 swing = 2 * np.pi * np.sqrt(X[R.M, l] / X[R.K, l])
                 X[R.LAST_SWING, l] = task.t_end[cell] / dt - swing
@@ -255,12 +287,12 @@ def follow_all(work, shape, task):
         if is_shocked or was_shocked:
             set_out(work, shocks, state, task.pulses)
         was_shocked = is_shocked
-        advance(work, shape, shocks, 0, BLOCK)
+        advance(work, shape, laws, shocks, 0, BLOCK)
         for l in range(LANES):
             if cell_in[l] < 0:
                 continue
             state.steps[l] += BLOCK
-            if check_lane(X, V, len(shape), l, cell_in[l], state, task):
+            if check_lane(X, V, len(shape), l, laws, cell_in[l], state, task):
                 # An empty lane is at rest and without a shock.
                 work[l::LANES] = 0.0
                 cell_in[l], state.lasts[l] = -1, 0

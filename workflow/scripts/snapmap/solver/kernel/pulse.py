@@ -9,6 +9,7 @@ from ...numerics.kernels import compiled, fma, sine, widen_vectors
 from . import rows as R
 from .rows import LANES, numbers
 
+Pulses = tuple[np.ndarray, np.ndarray, np.ndarray]
 BLOCK = 128
 """Steps in a block: lanes are checked after it, and pulses are tabulated for it."""
 
@@ -27,14 +28,16 @@ class PulseState(NamedTuple):
 
 
 @compiled
-def no_pulse():
+def no_pulse() -> PulseState:
     """Make the state of lanes without a pulse."""
     pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
     return PulseState(pulse, piece, steps, lasts)
 
 
 @compiled
-def begin_pulse(work, l, state, pulses, pulse, x_step):
+def begin_pulse(
+    work: np.ndarray, l: int, state: PulseState, pulses: Pulses, pulse: int, x_step: float
+) -> None:
     """Begin a pulse, by its number, in lane l; pulses: as in `Task`; x_step: f0 dt."""
     bounds, jumps = pulses[1:]
     state.pulse[l], state.piece[l], state.steps[l] = pulse, bounds[pulse] - 1, 0
@@ -43,7 +46,7 @@ def begin_pulse(work, l, state, pulses, pulse, x_step):
 
 
 @compiled
-def set_out(work, shocks, state, pulses):
+def set_out(work: np.ndarray, shocks: np.ndarray, state: PulseState, pulses: Pulses) -> None:
     """Set shocks, (BLOCK LANES,), to a dt^2 of each lane in each step of the next block."""
     pieces, bounds, jumps = pulses
     X, joined = numbers(work), 0
@@ -72,17 +75,35 @@ def set_out(work, shocks, state, pulses):
     # Lanes whose pieces join in this block, or whose pulse jumps, are sampled step by step.
     for l in range(LANES):
         if joined >> l & 1:
-            pulse, k, step = state.pulse[l], state.piece[l], X[R.X_STEP, l]
-            ends = jumps[pulse, 0], jumps[pulse, 1]
-            for i in range(BLOCK):
-                x = step * (state.steps[l] + i)
-                k = curve.at(pieces, k, bounds[pulse + 1], x)
-                sample = curve.sample(pieces, k, ends, x, step)
-                shocks[i * LANES + l] = X[R.AMPLITUDE, l] * sample
+            sample_lane(work, shocks, l, state, pulses)
 
 
 @compiled
-def go_on(work, shocks):
+def sample_lane(
+    work: np.ndarray, shocks: np.ndarray, l: int, state: PulseState, pulses: Pulses
+) -> None:
+    """Sample the pieces of lane l in a block; lines of a record have no joint but at their ends."""
+    (pieces, bounds, jumps), X = pulses, numbers(work)
+    pulse, k, step, a = state.pulse[l], state.piece[l], X[R.X_STEP, l], X[R.AMPLITUDE, l]
+    ends, end = (jumps[pulse, 0], jumps[pulse, 1]), bounds[pulse + 1]
+    i, first = 0, state.steps[l]
+    while i < BLOCK:
+        x = step * (first + i)
+        k = curve.at(pieces, k, end, x)
+        shocks[i * LANES + l] = a * curve.sample(pieces, k, ends, x, step)
+        i += 1
+        if pieces[k, curve.TURNS] != 0.0:
+            continue
+        start, slope, begin = pieces[k, curve.VALUE], pieces[k, curve.SLOPE], pieces[k, curve.BEGIN]
+        over = min(pieces[k + 1, curve.BEGIN], 1 - step) if k + 1 < end else 1 - step
+        while i < BLOCK and step * (first + i) < over:
+            line = start + slope * (step * (first + i) - begin)
+            shocks[i * LANES + l] = a * line
+            i += 1
+
+
+@compiled
+def go_on(work: np.ndarray, shocks: np.ndarray) -> None:
     """Tabulate each lane's piece in a block, from x = PULSE on, also beyond the end of the piece.
 
     A wave v of phase p per step follows v+ - 2 v + v- = 4 sin^2(p/2) (centre - v).

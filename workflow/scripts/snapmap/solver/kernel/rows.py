@@ -5,28 +5,37 @@ numbers for each symbol. Time is counted in steps, and forces are times dt^2. Mo
 one as R: X[R.Y, l] is y of lane l, V[R.P, i, l] is component i of p, and V[R.S + i, j, l] is S_ij.
 """
 
+import numpy as np
 from numba import carray, int64, types
 from numba.extending import intrinsic
 
 from ...numerics.kernels import inlined
 
 LANES = 16
+Rows = np.ndarray
+Shape = tuple[int, ...]
+"""What says the number of modes by its length."""
 
 # Rows of one number: the device's; the cell's; scratch; from STATE on, the state at instant n.
-AXIAL, RESIDUAL, CONTACT, M, K, TARGET, BARRIER, SADDLE = range(8)
-Z0, ALPHA, STOP_TOWARD, STOP_AWAY, RESTITUTION, SIDE = range(8, 14)
-AMPLITUDE, KEEP, B, BEAM_KEEP, BEAM_B = range(14, 19)
-X_STEP, PIECE = 19, 20
-BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(20, 30)
-HALF_CONTACT, GAMMA, SOFTENING, COMPLIANCE, HELD = range(30, 35)
-A, EP, DY_FREE, OVERLAP_FREE, BETA = range(35, 40)
-Q_FREE, INVERSE, EU, FORCE, SWITCHES = range(40, 45)
-LAST_SWING, SINCE, BEYOND_SINCE, WORST, AT_START, LOWEST = range(45, 51)
-STATE = 51
-Y, DY, Q, OVERLAP = range(51, 55)
-W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(55, 64)
+AXIAL, RESIDUAL, CONTACT, M, K, TARGET, BARRIER, BARRIER_APART, SADDLE = range(9)
+Z0, ALPHA, STOP_TOWARD, STOP_AWAY, RESTITUTION = range(9, 14)
+TABLE, REACH, SIDE = 14, 16, 17
+AMPLITUDE, KEEP, B, BEAM_KEEP, BEAM_B = range(18, 23)
+X_STEP, PIECE = 23, 24
+BEGIN, START, SLOPE, TURNS, LIFT, SWING, TURN, PULSE, PULSE_STEP, PULSE_LEFT = range(24, 34)
+HALF_CONTACT, GAMMA, SOFTENING, COMPLIANCE, HELD = range(34, 39)
+A, EP, DY_FREE, OVERLAP_FREE, BETA = range(39, 44)
+Q_FREE, INVERSE, EU, FORCE, SWITCHES = range(44, 49)
+LAST_SWING, SINCE, BEYOND_SINCE, WORST, AT_START, LOWEST = range(49, 55)
+# Of a user's laws; TABLE, and rows from PER on, are two, of contact and force.
+C, DT, YIELDS, DRAG, DY_BEFORE, LOW, HIGH, FAR, FREE, HOLD = range(55, 65)
+PER, PLACE, SHARE, MISS, GUESS, FROM, RISE, PUSH, PUSH_BEFORE = range(65, 83, 2)
+ENERGY, ENERGY_BEFORE, CUBIC = 83, 85, 87
+STATE = 95
+Y, DY, Q, OVERLAP = range(95, 99)
+W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(99, 108)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
-VECTORS = 64
+VECTORS = 108
 P, D, U, D_FREE, KAPPA, SQ0, F, E, S = range(9)
 
 
@@ -42,7 +51,7 @@ def address(context, array, first):
 
 
 @inlined
-def numbers(work):
+def numbers(work: np.ndarray) -> Rows:
     """Return X, the rows of single numbers.
 
     The compiler vectorises over lanes only because it knows the sizes of X and V, and thus that no
@@ -52,7 +61,7 @@ def numbers(work):
 
 
 @inlined
-def vectors(work, modes):
+def vectors(work: np.ndarray, modes: int) -> Rows:
     """Return V, the rows of vectors.
 
     Functions that loop over modes get their number as an argument: from the shape of V the compiler

@@ -3,18 +3,31 @@
 See docs/theory.md, "One step" and "Stops".
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba.extending import overload
 
 from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
 from . import rows as R
-from .rows import LANES, numbers, vectors
+from .laws import LaneLaws, damp, dissipate, hold_by_law, touch_by_law
+from .rows import LANES, Rows, Shape, numbers, vectors
+
+Sums = tuple[float, ...]
 
 
 @compiled
-def advance(work, shape, shocks, first, steps):
+def advance(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    shocks: np.ndarray,
+    first: int,
+    steps: int,
+) -> None:
     """Advance every lane by `steps` steps.
 
+    laws: `LaneLaws` or None
     shocks: a dt^2 of each step of a block, as `set_out` sets them; first: index of the first step
 
     At half steps q = p.S p+ + (p + p+).S q0 is the stretch and x = e.(p + p+)/2 - (y + y+)/2 - z0
@@ -33,17 +46,25 @@ def advance(work, shape, shocks, first, steps):
         if stopped and crossed(work):
             meet_stops(work)
         take(X, shocks, step)
+        if laws is not None and laws.damping != 0:
+            damp(work, laws)
         for l in range(LANES):
             touch(X, l, release_all(X, V, shape, l, (0.0, 0.0, 0.0, 0.0, 0.0)))
         switch_contacts(X)
         if stopped:
             let_go(work)
+        if laws is not None and laws.holds:
+            hold_by_law(work, laws)
+        elif laws is not None and laws.tabled:
+            touch_by_law(work, laws)
         for l in range(LANES):
             press(X, V, shape, l, meet(X, l))
+        if laws is not None and laws.damping != 0:
+            dissipate(X)
 
 
 @inlined
-def take(X, shocks, step):
+def take(X: Rows, shocks: np.ndarray, step: int) -> None:
     """Set a of this step; in a loop of its own, as else the compiler separates the lanes."""
     for l in range(LANES):
         X[R.A, l] = shocks[step * LANES + l]
@@ -53,7 +74,7 @@ FEW = 5
 """Most modes that LLVM unrolls in a single loop."""
 
 
-def over_modes(loop, times):
+def over_modes(loop: Callable, times: int) -> Callable:
     """Make a function over all modes of a loop over modes `first` to `last`.
 
     LLVM unrolls short loops only, and only an unrolled one vectorises over lanes; else a step takes
@@ -76,7 +97,7 @@ def over_modes(loop, times):
     return all_modes
 
 
-def halved(loop):
+def halved(loop: Callable) -> Callable:
     """Make a loop over modes that runs as two loops, each over half of them."""
 
     @inlined
@@ -89,7 +110,7 @@ def halved(loop):
 
 
 @inlined
-def release_modes(X, V, modes, l, first, last, sums):
+def release_modes(X: Rows, V: Rows, modes: int, l: int, first: int, last: int, sums: Sums) -> Sums:
     """Set d_free = keep d + b (-kappa p - f a) and u = S p + S q0, of modes first to last - 1.
 
     sums: u.u, e.u, e.p, e.d_free and u.(d + d_free) of the modes before; returned with these
@@ -113,7 +134,7 @@ release_all = over_modes(release_modes, 3)
 
 
 @inlined
-def touch(X, l, sums):
+def touch(X: Rows, l: int, sums: Sums) -> None:
     """Set F and beta, and P if no contact opens or closes; sums: as `release_all` returns them."""
     uu, eu, w, ef, ud = sums
     a, y, overlap = X[R.A, l], X[R.Y, l], X[R.OVERLAP, l]
@@ -141,7 +162,7 @@ def touch(X, l, sums):
 
 
 @inlined
-def switch_contacts(X):
+def switch_contacts(X: Rows) -> None:
     """Set P, by the root of a quadratic, in lanes in which a contact opens or closes."""
     switches = False
     for l in range(LANES):
@@ -153,7 +174,7 @@ def switch_contacts(X):
 
 
 @inlined
-def contact_force(X, l):
+def contact_force(X: Rows, l: int) -> float:
     """Return P, the root of x + beta P(x) = F, whether or not a contact opens or closes."""
     m, F, beta = X[R.OVERLAP, l], X[R.OVERLAP_FREE, l], X[R.BETA, l]
     h = X[R.HALF_CONTACT, l] * beta
@@ -167,7 +188,7 @@ def contact_force(X, l):
 
 
 @inlined
-def meet(X, l):
+def meet(X: Rows, l: int) -> float:
     """Set q and x at the next half step, and w = e.p - c P; returns 2 gamma r.
 
     At the first instant at which w, or -w in a run from the second shape, is at or below the
@@ -190,7 +211,7 @@ def meet(X, l):
 
 
 @inlined
-def press_modes(X, V, modes, l, first, last, sums):
+def press_modes(X: Rows, V: Rows, modes: int, l: int, first: int, last: int, sums: Sums) -> Sums:
     """Set p+ as in `press`, of modes first to last - 1.
 
     sums: 2 gamma r, b P, and f.(p+ - p-) and |p+ - p-|^2 of the modes before; returned with these
@@ -211,7 +232,7 @@ press_all = over_modes(press_modes, 4)
 
 
 @inlined
-def press(X, V, shape, l, pull):
+def press(X: Rows, V: Rows, shape: Shape, l: int, pull: float) -> None:
     """Set p+ = p + d_free - 2 gamma r u - b e P and y+ = y + dy_free + B P; pull: 2 gamma r."""
     kick = X[R.BEAM_B, l] * X[R.FORCE, l]
     sums = press_all(X, V, shape, l, (pull, kick, 0.0, X[R.BEAM_SWEPT, l]))
@@ -226,7 +247,7 @@ def press(X, V, shape, l, pull):
 
 
 @compiled
-def has_stops(work):
+def has_stops(work: np.ndarray) -> bool:
     """Return whether the mass of any lane has a stop; empty lanes have zeros there."""
     X, any_lane = numbers(work), False
     for l in range(LANES):
@@ -236,7 +257,7 @@ def has_stops(work):
 
 
 @compiled
-def crossed(work):
+def crossed(work: np.ndarray) -> bool:
     """Return whether the mass of any lane is beyond a stop."""
     X, any_lane = numbers(work), False
     for l in range(LANES):
@@ -245,7 +266,7 @@ def crossed(work):
 
 
 @compiled
-def meet_stops(work):
+def meet_stops(work: np.ndarray) -> None:
     """Reflect every mass that is beyond a stop and moves on.
 
     At the last half step it was at m with speed d. In the potential U it meets the stop s with
@@ -260,14 +281,14 @@ def meet_stops(work):
 
 
 @compiled
-def rebound(work):
+def rebound(work: np.ndarray) -> None:
     """Reflect masses that have crossed a stop now, and not at the begin of the next step."""
     if has_stops(work) and crossed(work):
         meet_stops(work)
 
 
 @inlined
-def strike(X, l, stop):
+def strike(X: Rows, l: int, stop: float) -> None:
     """Reflect the mass of lane l at a stop, and account for its energy."""
     d, mass, e = X[R.DY, l], X[R.M, l], X[R.RESTITUTION, l]
     middle, weight = X[R.Y, l] - d / 2, mass * X[R.A, l]
@@ -288,17 +309,18 @@ def strike(X, l, stop):
     X[R.GROSS_WORK, l] += abs(2 * work)
     X[R.OVERLAP, l] -= place - middle
     X[R.Y, l], X[R.DY, l] = place + turned / 2, turned
+    X[R.DY_BEFORE, l] = turned
 
 
 @inlined
-def hold(X, l):
+def hold(X: Rows, l: int) -> None:
     """Keep the mass of lane l from moving: without B no force moves it."""
     X[R.HELD, l], X[R.B, l] = X[R.B, l], 0.0
     X[R.COMPLIANCE, l] -= X[R.HELD, l] / 2
 
 
 @compiled
-def let_go(work):
+def let_go(work: np.ndarray) -> None:
     """Free every mass that the net force of this step pulls off its stop, and set its P anew."""
     X = numbers(work)
     for l in range(LANES):
@@ -314,7 +336,7 @@ def let_go(work):
 
 
 @inlined
-def stored(X, l, begin, end):
+def stored(X: Rows, l: int, begin: float, end: float) -> float:
     """Return the energy that spring and contact store as the mass moves from `begin` to `end`."""
     middle = X[R.Y, l] - X[R.DY, l] / 2
     before = max(0.0, X[R.OVERLAP, l] - (begin - middle))

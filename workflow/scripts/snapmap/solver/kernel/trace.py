@@ -5,13 +5,24 @@ import numpy as np
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
 from .lanes import half_step_midpoint, load
-from .pulse import BLOCK, begin_pulse, no_pulse, set_out
-from .rows import LANES, numbers, vectors
+from .laws import LaneLaws
+from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance, rebound
 
 
 @compiled
-def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
+def follow_stress(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    devices: np.ndarray,
+    dt: np.ndarray,
+    pulses: Pulses,
+    cells: tuple[np.ndarray, ...],
+    stress: np.ndarray,
+    largest: np.ndarray,
+) -> None:
     """Follow up to LANES cells as `follow_all` does, bit for bit, for the largest stress.
 
     Stress is evaluated half way between two instants, where energies are known.
@@ -28,7 +39,7 @@ def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
     X, V = numbers(work), vectors(work, modes)
     state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
     for l in range(steps.size):
-        load(work, shape, l, devices[l], damping[l], amplitude[l], dt[l])
+        load(work, shape, laws, l, devices[l], damping[l], amplitude[l], dt[l])
         begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
     for l in range(len(stress)):
         for place in range(stress.shape[1] - 1):
@@ -38,7 +49,7 @@ def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
         if step % BLOCK == 0:
             state.steps[:] = step
             set_out(work, shocks, state, pulses)
-        advance(work, shape, shocks, step % BLOCK, 1)
+        advance(work, shape, laws, shocks, step % BLOCK, 1)
         for l in range(len(stress)):
             if step < steps[l]:
                 most = largest_stress(X, V, modes, l, stress[l])
@@ -46,7 +57,14 @@ def follow_stress(work, shape, devices, dt, pulses, cells, stress, largest):
 
 
 @compiled
-def keep_block(work, shape, shocks, before, after):
+def keep_block(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    shocks: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
+) -> None:
     """Advance by up to a block, and record the state of lane 0 before and after each step.
 
     before, after: (steps, rows from STATE on), modified in place
@@ -56,13 +74,21 @@ def keep_block(work, shape, shocks, before, after):
         rebound(work)
         for i in range(before.shape[1]):
             before[step, i] = work[(R.STATE + i) * LANES]
-        advance(work, shape, shocks, step, 1)
+        advance(work, shape, laws, shocks, step, 1)
         for i in range(before.shape[1]):
             after[step, i] = work[(R.STATE + i) * LANES]
 
 
 @compiled
-def keep_midpoints(work, shape, state, pulses, first, midpoints):
+def keep_midpoints(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    state: PulseState,
+    pulses: Pulses,
+    first: int,
+    midpoints: np.ndarray,
+) -> None:
     """Advance all lanes, and record w(L/2) from rest half way through each step, um.
 
     first: number of steps done, a multiple of BLOCK
@@ -76,19 +102,19 @@ def keep_midpoints(work, shape, state, pulses, first, midpoints):
             state.steps[:] = first + step
             set_out(work, shocks, state, pulses)
         rebound(work)
-        advance(work, shape, shocks, step % BLOCK, 1)
+        advance(work, shape, laws, shocks, step % BLOCK, 1)
         for l in range(LANES):
             midpoints[step, l] = seen_midpoint(X, V, modes, l)
 
 
 @inlined
-def seen_midpoint(X, V, modes, l):
+def seen_midpoint(X: Rows, V: Rows, modes: int, l: int) -> float:
     """Return w(L/2) from rest of lane l half way through the step, um."""
     return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined
-def largest_stress(X, V, modes, l, rows):
+def largest_stress(X: Rows, V: Rows, modes: int, l: int, rows: np.ndarray) -> float:
     """Return the largest tensile stress of lane l half way through the step, MPa.
 
     rows: (PLACES + 1, modes + 2), as in `simd_loop.stress_rows`
@@ -106,7 +132,7 @@ def largest_stress(X, V, modes, l, rows):
 
 
 @inlined
-def pressed(X, l):
+def pressed(X: Rows, l: int) -> float:
     """Return the contact force at the last half step, times dt^2."""
     overlap = X[R.OVERLAP, l]
-    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0)
+    return X[R.CONTACT, l] * (overlap if overlap > 0.0 else 0.0) + X[R.PUSH, l]

@@ -1,0 +1,139 @@
+"""The schema by which editors complete and check a config says what the records say."""
+
+import copy
+import json
+import re
+import runpy
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from snapmap.config.document import Document
+from snapmap.config.renamed import renew
+from snapmap.config.schema import DIALECT, written
+from snapmap.values.fields import hints
+
+CONFIGS = [
+    *(f"config/{name}.yaml" for name in ("arm", "config", "damped", "fine", "handout", "sensor")),
+    ".test/config/config.yaml",
+]
+NAMED = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
+
+
+@pytest.fixture(scope="module")
+def schema():
+    return json.loads(written())
+
+
+@pytest.fixture(scope="module")
+def validator(schema):
+    Draft202012Validator.check_schema(schema)
+    return Draft202012Validator(schema)
+
+
+@pytest.fixture(scope="module")
+def sensor(root):
+    return yaml.safe_load((root / "config" / "sensor.yaml").read_text(encoding="utf-8"))
+
+
+def test_the_file_is_what_the_records_say(root, schema):
+    assert (root / "config" / "schema.json").read_text(encoding="utf-8") == written()
+    assert schema["$schema"] == DIALECT
+    assert {*schema["properties"]} == {*hints(Document)}
+
+
+def test_each_key_has_its_sentence_and_no_key_is_snakemakes(schema):
+    def sections(part):
+        if isinstance(part, dict):
+            yield from [part] if part.get("additionalProperties") is False else []
+            for inner in part.values():
+                yield from sections(inner)
+        for inner in part if isinstance(part, list) else ():
+            yield from sections(inner)
+
+    of_records = [part for part in sections(schema) if "description" in part]
+    assert len(of_records) > 15
+    for part in of_records:
+        for key, about in part["properties"].items():
+            assert about["description"], key
+    assert "threads" not in schema["properties"]["run"]["properties"]
+
+
+def test_defaults_have_units(schema):
+    run, device = schema["properties"]["run"], schema["properties"]["device"]
+    assert run["properties"]["horizon"]["default"] == "1500 us"
+    assert device["properties"]["gap"]["default"] == "0 um"
+    assert device["properties"]["beam"]["properties"]["damping"]["default"] == "0 /us"
+    assert device["properties"]["beam"]["properties"]["free"]["default"] is False
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_the_configs_of_the_project_are_valid_and_name_it(root, validator, name):
+    path = root / name
+    text = path.read_text(encoding="utf-8")
+    assert (path.parent / NAMED.match(text)[1]).resolve() == root / "config" / "schema.json"
+    document = yaml.safe_load(text)
+    assert not [*validator.iter_errors(document)]
+    assert renew(document) == (document, [])
+
+
+def test_every_config_of_the_project_is_among_them(root):
+    found = [*root.glob("config/*.yaml"), *root.glob(".test/**/*.yaml")]
+    assert {str(path.relative_to(root)) for path in found} == {*CONFIGS}
+
+
+WRONG = {
+    "a misspelt key": ("device.beam.thicknes", "2 um"),
+    "a misspelt section": ("requirments", []),
+    "a missing key": ("device.beam.span", None),
+    "a missing section": ("sweep", None),
+    "a key missing whose place nothing takes": ("device.gravity", None),
+    "a bare number where a unit is needed": ("device.spring", 4),
+    "the same as text": ("run.horizon", "4000"),
+    "the same in a list": ("sweep.C", [5, 100]),
+    "a unit where none belongs": ("sweep.N.from", "400 g"),
+    "a wrong word": ("run.until", "snaps"),
+    "a wrong word for a number": ("device.contact", "soft"),
+    "a wrong name of a model": ("model.name", "autos"),
+    "an option of another model": ("model.modes", 3),
+    "a wrong word in a list": ("requirements.0.snaps", "perhaps"),
+    "a section of another form": ("device.beam", ["600 um"]),
+    "a key of Snakemake's": ("run.threads", 2),
+    "a key of version 0.3": ("sweep.until", "snap"),
+    "an empty value": ("pulse.shape", {}),
+}
+
+
+@pytest.mark.parametrize("where", WRONG)
+def test_mistakes_are_marked(validator, sensor, where):
+    path, value = WRONG[where]
+    document = copy.deepcopy(sensor)
+    *above, last = (int(key) if key.isdigit() else key for key in path.split("."))
+    section = document
+    for key in above:
+        section = section[key]
+    section.pop(last) if value is None else section.__setitem__(last, value)
+    assert [*validator.iter_errors(document)]
+
+
+RIGHT = {
+    "a beam alone": {"mass": "none", "spring": None, "contact": None},
+    "a force in place of gravity": {"mass": "none", "spring": None, "contact": None}
+    | {"gravity": None, "force": "1 uN"},
+    "units of other spellings": {"mass": "6 µg", "spring": "4e0 uN/um", "gap": "1um"},
+    "a plain number as text": {"restitution": "5e-1"},
+}
+
+
+@pytest.mark.parametrize("what", RIGHT)
+def test_what_is_right_is_not_marked(validator, sensor, what):
+    device = {k: v for k, v in (sensor["device"] | RIGHT[what]).items() if v is not None}
+    assert not [*validator.iter_errors(sensor | {"device": device})]
+
+
+def test_the_page_of_the_config_has_each_key_with_its_sentence(root):
+    page = runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]()
+    assert "| `horizon` | time followed after the pulse's end |" in page
+    assert "| `1500 us` |" in page and "threads" not in page
+    assert page.count("| `stop_toward` ") == 1  # values of the device are said once

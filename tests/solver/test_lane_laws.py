@@ -1,0 +1,279 @@
+"""Laws of a user's own in the kernel, beside the device's own, the plain loop and energies."""
+
+from dataclasses import replace
+
+import flat
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from varied import varied
+
+from snapmap.device.device import batch
+from snapmap.solver.bounds import least_amplitudes
+from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.kernel.tables import CELLS, least_energy, look_up, potentials
+from snapmap.solver.laws import compile_laws, load_laws
+from snapmap.solver.models import build_model
+from snapmap.solver.settings import Run
+
+COSINES = {"name": "cosines", "modes": 3}
+ELEMENTS = {"name": "elements", "elements": 2}
+"""Three modes both: the same kernel."""
+SETTLED = Run()
+N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
+
+
+def laws_of(**functions):
+    return compile_laws(functions)
+
+
+def linear_drag(C, velocity, place):
+    return C * velocity
+
+
+def cubic_drag(C, velocity, place):
+    return C * velocity**3
+
+
+def one_sided(stiffness, overlap):
+    return stiffness * max(0.0, overlap)
+
+
+def two_sided(stiffness, overlap):
+    return stiffness * overlap
+
+
+def hertz(stiffness, overlap):
+    return 60.0 * max(0.0, overlap) ** 1.5
+
+
+def follow(device, model, laws, C, settings=SETTLED, step=1.0):
+    laws = {"laws": laws} if laws else {}
+    built = build_model(device, flat.model(**model, **laws)).with_step(step)
+    return built.follow(to_cells(built.device, 0, N, F0, C, 300.0), settings)
+
+
+DEVICES = {"soft": {}, "gap": {"gap": 1.0, "contact": 400.0}, "damped beam": {"damping": 4e-3}}
+LINEAR = {"damping": linear_drag, "contact": one_sided}
+
+
+@pytest.mark.parametrize("keys", [("damping",), ("contact",), ("damping", "contact")])
+@pytest.mark.parametrize("name", DEVICES)
+def test_the_devices_own_forces_as_laws_do_the_same(handout, name, keys):
+    """The contact is in series with the flexibility of the modes left out."""
+    device, settings = varied(handout, **DEVICES[name]), Run(horizon=300.0)
+    laws = laws_of(**{key: LINEAR[key] for key in keys})
+    ours = follow(device, COSINES, laws, 25.0, settings)
+    plain = follow(device, COSINES, None, 25.0, settings)
+    assert 0 < np.isfinite(plain.t_snap).sum() < N.size
+    np.testing.assert_allclose(ours.t_snap, plain.t_snap, rtol=2e-6)
+    stays = np.isnan(plain.t_snap)  # after a snap all is chaotic
+    np.testing.assert_array_equal(ours.t_settled[stays], plain.t_settled[stays])
+    assert ours.energy_error.max() < 1e-8 and (ours.halvings == 0).all()
+
+
+def test_stops_and_a_hard_contact_go_with_a_law_of_damping(handout):
+    stops = {"stop_toward": 14.0, "stop_away": 1.0, "restitution": 0.8}
+    for device in (varied(handout, **stops), varied(handout, contact=np.inf)):
+        ours = follow(device, COSINES, laws_of(damping=linear_drag), 25.0)
+        plain = follow(device, COSINES, None, 25.0)
+        assert np.isfinite(plain.t_snap).any()
+        np.testing.assert_array_equal(np.isfinite(ours.t_snap), np.isfinite(plain.t_snap))
+        np.testing.assert_allclose(ours.t_snap, plain.t_snap, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("damping", "contact", "C"),
+    [(cubic_drag, hertz, 4000.0), (cubic_drag, two_sided, 4000.0), (None, hertz, 25.0)],
+)
+def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
+    """And come closer to it with the square of the step."""
+    laws, snap = laws_of(damping=damping, contact=contact), Run(until="snap", repeat=False)
+    reference = {"name": "reference", "elements": 2}
+    coarse, fine = (follow(handout, reference, laws, C, snap, step=s).t_snap for s in (0.2, 0.1))
+    exact, errors = (4 * fine - coarse) / 3, []
+    for step in (0.5, 0.25, 0.125):
+        moved = snap.but(until="moved")
+        ours = follow(handout, ELEMENTS, laws, C, moved, step=step).t_snap
+        assert (np.isfinite(ours) == np.isfinite(exact)).all()
+        errors.append(np.nanmedian(abs(ours - exact)))
+    assert errors[-1] < 5e-4 and errors[0] > 8 * errors[-1]
+
+
+@pytest.mark.parametrize("contact", [hertz, two_sided])
+def test_what_a_contact_takes_it_gives_back(handout, contact):
+    """Over thousands of contacts without a damper, in steps ten times apart."""
+    laws, settings = laws_of(contact=contact), Run(5000.0)
+    model = build_model(handout, flat.model(**COSINES, laws=laws))
+    model = replace(model, barrier=model.barrier._replace(energy=0.0))
+    cells = to_cells(handout, 0, [880.0, 1100.0, 1500.0], 1500.0, 0.0, 5000.0)
+    for factor in (0.5, 1.0, 5.0):
+        seen = model.with_step(factor).follow_once(cells, settings)
+        assert seen.energy_error.max() < 1e-7
+
+
+def test_a_run_that_is_proven_to_stay_stays(handout):
+    laws = laws_of(damping=cubic_drag, contact=hertz)
+    proven = follow(handout, COSINES, laws, 3e4)
+    settled = np.isfinite(proven.t_settled)
+    assert settled.sum() > 5
+    model = build_model(handout, flat.model(**COSINES, laws=laws))
+    open_ended = replace(model, barrier=model.barrier._replace(energy=-np.inf))
+    cells = to_cells(handout, 0, N, F0, 3e4, 3000.0)
+    moved = open_ended.follow(cells, Run(3000.0))
+    assert np.isnan(moved.t_settled).all()
+    first = settled & (proven.well == 1) & np.isnan(proven.t_snap)
+    assert first.any() and np.isnan(moved.t_snap[first]).all()
+
+
+@pytest.mark.parametrize(
+    "damping",
+    [
+        lambda C, velocity, place: C * velocity * (1.0 if abs(velocity) > 0.01 else -0.1),
+        lambda C, velocity, place: C * velocity * (-0.2 if abs(place) < 0.3 else 1.0),
+        lambda C, velocity, place: C * velocity * (1.0 if abs(place) > 0.9 else place),
+    ],
+)
+def test_of_a_law_that_gives_energy_nothing_is_proven(handout, damping):
+    """It has the right sign where it is checked at first, and its ledger closes."""
+    settings = Run(1500.0)
+    passive = follow(handout, COSINES, laws_of(damping=linear_drag), 25.0, settings)
+    ours = follow(handout, COSINES, laws_of(damping=damping), 25.0, settings)
+    assert np.isfinite(passive.t_settled).any() and np.isnan(ours.t_settled).all()
+    assert ours.energy_error.max() < 1e-3
+
+
+def test_a_contact_whose_energy_has_no_bottom_proves_nothing(handout):
+    def drives_apart(stiffness, overlap):
+        return stiffness * overlap if overlap > 0 else 0.05
+
+    ours = follow(handout, ELEMENTS, laws_of(contact=drives_apart), 25.0)
+    assert np.isnan(ours.t_settled).all() and ours.energy_error.max() < 1e-3
+
+
+def test_a_cell_does_not_depend_on_its_company(handout):
+    laws, draw = laws_of(damping=cubic_drag, contact=hertz), np.random.default_rng(3)
+    model, settings = build_model(handout, flat.model(**COSINES, laws=laws)), Run()
+    cells = to_cells(
+        handout, 0, draw.uniform(700, 2500, 37), draw.uniform(700, 9e3, 37), 3e4, 300.0
+    )
+    together, order = model.follow(cells, settings)[:8], draw.permutation(37)
+    shuffled = model.follow(cells.take(order), settings.but(threads=2))[:8]
+    alone = model.follow(cells.take(slice(1)), settings)[:8]
+    for whole, mixed, single in zip(together, shuffled, alone, strict=True):
+        np.testing.assert_array_equal(whole[order], mixed)
+        np.testing.assert_array_equal(whole[:1], single)
+
+
+def test_a_device_of_a_batch_has_its_own_tables(handout):
+    devices = [varied(handout, contact=40.0), varied(handout, contact=70.0, rise=11.0)]
+    laws = laws_of(contact=one_sided)
+    together = build_model(batch(devices), flat.model(**COSINES, laws=laws))
+    cells = to_cells(together.device, [[0], [1]], np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
+    mixed = together.follow(cells, Run())
+    for i, device in enumerate(devices):
+        one = to_cells(device, 0, np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
+        for model in (build_model(device, flat.model(**COSINES, laws=laws)), together.pick(i)):
+            for whole, alone in zip(mixed[:8], model.follow(one, Run())[:8], strict=True):
+                np.testing.assert_array_equal(whole[i], alone)
+
+
+def test_a_table_is_the_integral_of_its_law():
+    def force(x):
+        return 60.0 * np.maximum(0.0, x) ** 1.5 - 0.3 * (x > -1) * (x < 0) + 0.1 * x
+
+    table = potentials(force, 100.0)
+    for x in (-60.0, -0.4, 1e-4, 0.02, 1.7, 30.0):
+        breaks = [p for p in (-1.0, 0.0) if min(0, x) < p < max(0, x)]
+        energy, slope = look_up(table, 100.0, np.array([x]))
+        exact = quad(force, 0, x, points=breaks or None, epsabs=1e-12)[0]
+        assert energy.item() == pytest.approx(exact, abs=3e-4, rel=1e-8)
+        assert slope.item() == pytest.approx(force(x), rel=2e-3, abs=1e-4)
+    x = np.linspace(-100, 100, 100_001)
+    assert look_up(table, 100.0, x)[0].min() >= least_energy(table) > -np.inf
+    assert least_energy(potentials(lambda x: -0.1 + 0 * x, 100.0)) == -np.inf
+
+
+def test_the_flexibility_of_modes_left_out_is_in_series(handout):
+    model = build_model(handout, flat.model(**COSINES, laws=laws_of(contact=hertz)))
+    assert model.tables.values.shape == (2, CELLS, 4)
+    c, x = float(model.modal.residual), np.array([0.003, 0.4, 2.0, 5.0])
+    _, push = look_up(model.tables.values[1], 100.0, x)
+    s = [brentq(lambda s: s + c * hertz(0.0, s) - end, 0, end) for end in x]  # noqa: B023
+    np.testing.assert_allclose(push, [hertz(0.0, overlap) for overlap in s], rtol=1e-4, atol=1e-4)
+
+
+def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
+    def damping(C, velocity, place):
+        if abs(velocity) > 0.3:
+            raise ValueError("too fast")
+        return C * velocity
+
+    with pytest.raises(ValueError, match=r"\Amodel\.laws: damping: ValueError: too fast\Z"):
+        follow(handout, COSINES, laws_of(damping=damping), 25.0)
+
+
+def test_compiling_a_law_is_said_once_before_it_begins(handout, caplog):
+    laws = laws_of(damping=lambda C, velocity, place: C * velocity**5)
+    for _ in range(2):
+        follow(handout, COSINES, laws, 25.0)
+    said = [line for line in caplog.messages if "compiling your law of damping" in line]
+    assert len(said) == 1 and said[0].endswith("once in each process, about 1 s")
+
+
+REFUSED = {
+    "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
+    "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
+    "model.laws: contact: falls": ({}, {"contact": lambda k, s: -900.0 * s}, {"modes": 3}),
+    "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
+    "model.laws: solver": ({}, {"solver": lambda cell, step: None}, {}),
+}
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_what_a_kernel_cannot_do_is_refused_in_a_line(handout, line):
+    change, laws, options = REFUSED[line]
+    with pytest.raises(ValueError, match=rf"\A{line}[^\n]*\Z"):
+        build_model(varied(handout, **change), flat.model("cosines", laws=laws, **options))
+
+
+@pytest.mark.parametrize("name", ["reference", "cosines"])
+def test_a_law_that_gives_energy_has_no_bound(handout, name):
+    device, rows = batch([handout]), to_rows(0, [1500.0], 25.0)
+    drags = cubic_drag, lambda C, v, z: C * v * (-0.2 if abs(z) < 1 - 1e-9 else 1.0)
+    models = (build_model(device, flat.model(name, laws={"damping": drag})) for drag in drags)
+    bounds = [least_amplitudes(model, rows).item() for model in models]
+    plain = least_amplitudes(build_model(device, flat.model(name)), rows).item()
+    assert bounds == [plain, 0.0] and plain > 0
+
+
+def test_a_history_shows_the_laws_energy(handout):
+    """All energies add up to the work of the pulse less the loss."""
+    model = flat.model(**COSINES, laws={"damping": cubic_drag, "contact": hertz})
+    run = flat.simulate(handout, 1100.0, 1500.0, 4000.0, model, horizon=0.0)
+    stored = sum(run[key] for key in run if key.endswith("_energy"))
+    assert abs(stored - run.pulse_work).max() < 1e-6 * run.pulse_work.max()
+    assert run.contact_energy.max() > 1 and run.contact_force.max() > 10
+
+
+def test_all_that_takes_a_model_takes_laws(handout):
+    """A law that is the device's own gives what the device gives, within its errors."""
+    asked, made = (1500.0, 25.0), {}
+    for name, laws in (("own", None), ("law", {"damping": linear_drag})):
+        how = {"model": flat.model(**COSINES, laws=laws), "horizon": 0.0}
+        shock = {"N": 1100.0, "f0": 1500.0, "C": 25.0}
+        made[name] = (
+            flat.design(handout, "thickness", **shock, between=(2.0, 2.2), **how),
+            flat.tolerance(handout, {"thickness": "2 %"}, *asked, samples=8, **how).N_mean.item(),
+        )
+    (of_own, mean), (of_law, mean_of_law) = made.values()
+    assert abs(of_own.value - of_law.value) < of_own.error + of_law.error
+    assert mean_of_law == pytest.approx(mean, rel=1e-3)
+
+
+@pytest.mark.long
+def test_every_example_of_a_law_runs_in_the_kernel(handout, root):
+    for path in sorted((root / "examples" / "laws").glob("*.py")):
+        ours = follow(handout, {"name": "cosines"}, load_laws(str(path)), 200.0)
+        assert ours.energy_error.max() < 1e-6

@@ -1,0 +1,205 @@
+"""The whole config but device and shock: `Document`, and its sections."""
+
+import re
+from collections.abc import Mapping
+from typing import Annotated
+
+import numpy as np
+from typing_extensions import TypeAliasType
+
+from ..applications import gather
+from ..device.device import VALUES
+from ..files.named import sha256_of
+from ..files.tables import ROWS
+from ..files.text import describe
+from ..solver.options import Model
+from ..solver.settings import THRESHOLD_TOLERANCE, Run
+from ..study.axes import COORDINATES, KIND_OF
+from ..values.kinds import Kind, Several
+from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
+from ..values.records import record, row_of_kinds
+from .devices import DeviceSection
+from .kinds import PathKind, Title
+from .points import read_points
+from .shocks import TIMED, PulseSection, one_time
+
+AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
+"""Names of axes of figures."""
+OF_SNAKEMAKE = "threads"
+"""The value of a run that no config has."""
+
+
+class AxisName(Kind):
+    """The name of an axis of a figure."""
+
+    def __init__(self, *but):
+        """Take all of AXES, but some."""
+        self.names = [name for name in AXES if name not in but]
+        self.need = f"the name of an axis{' other than '.join(['', *but])}"
+
+    def read(self, value: object) -> str:
+        """Read the name of an axis."""
+        if not isinstance(value, str) or value not in self.names:
+            raise ValueError(f"{describe(value)} is not {self.need}")
+        return value
+
+    def schema(self) -> dict:
+        """Describe the names."""
+        return {"enum": self.names}
+
+
+Axis = TypeAliasType("Axis", Annotated[str, AxisName()])
+AxisOfThresholds = TypeAliasType("AxisOfThresholds", Annotated[str, AxisName("N")])
+
+
+@record
+class MapSection:
+    """A map over two axes."""
+
+    x: Axis
+    """horizontal axis"""
+    y: Axis
+    """vertical axis; a map without N shows thresholds"""
+    at: dict[str, object] | None = None
+    """values on other axes, the nearest is taken; the device's own, else the middle, if left out;
+    maps: no N"""
+
+
+@record
+class LinesSection:
+    """A figure of thresholds over two axes."""
+
+    x: AxisOfThresholds
+    """horizontal axis"""
+    lines: AxisOfThresholds
+    """each value is a line"""
+    at: dict[str, object] | None = None
+    """as in maps"""
+
+
+def _axis(kind):
+    return Annotated[
+        np.ndarray, Several(kind)
+    ], "values in place of the device's own, a list or a range"
+
+
+_Axes = row_of_kinds("Axes", {key: _axis(KIND_OF[key]) for key in VALUES})
+
+
+@record
+class SweepSection(_Axes):
+    """The axes: a list, or a range with both ends, of each."""
+
+    N: Amplitudes | None = None
+    """peaks of the shock over gravity"""
+    f0: Frequencies | None = None
+    """1/duration of the shock; required, or `duration`, or a pulse that has its own"""
+    duration: PulseTimes | None = None
+    """durations of the shock; replaces f0"""
+    C: Dampers | None = None
+    """damping of the mass; required, or `device.quality_factor`, or no mass"""
+    threshold_tolerance: Refinement = THRESHOLD_TOLERANCE
+    """relative refinement of thresholds in N"""
+
+    @classmethod
+    def beside(cls, written: Mapping) -> dict[str, str]:
+        """Find N missing."""
+        return {} if "N" in written else {"N": f"missing; write {Several(KIND_OF['N']).asks}"}
+
+
+class MarksKind(PathKind):
+    """The path of a table of points, which is read to check it."""
+
+    def read(self, value: object) -> tuple[str, str]:
+        """Read the table; gives its path and SHA-256."""
+        path = super().read(value)
+        sha256 = sha256_of(path, *ROWS)
+        read_points(path, sha256)
+        return path, sha256
+
+
+Marks = TypeAliasType("Marks", Annotated[tuple[str, str], MarksKind()])
+
+
+@record
+class Core:
+    """Device (or devices), model and sweep; the others are optional."""
+
+    title: Title | None = None
+    """head of the data sheet"""
+    device: DeviceSection | None = None
+    """beam, mass and spring; required, or `devices`"""
+    devices: dict[str, DeviceSection] | None = None
+    """devices by name, which are an axis"""
+    model: Model = None
+    """how a cell is simulated"""
+    pulse: PulseSection | None = None
+    """the shock; a versed sine along +z if left out"""
+    run: Run = Run()
+    """how each cell is followed"""
+    skip: Truth = False
+    """whether points without a second stable shape are left out, not refused"""
+    sweep: SweepSection | None = None
+    """the axes"""
+    maps: list[MapSection] | None = None
+    """maps {x, y, at}; N over f0 at each point of the other axes, at most 12, if left out"""
+    thresholds: list[LinesSection] | None = None
+    """figures {x, lines, at} of thresholds; over each axis, lines for `device` or C, if left out"""
+    marks: Marks | None = None
+    """a CSV table of points on maps: N, f0 (Hz) or duration (ms), optionally name, snapped (yes,
+    no)"""
+
+    @classmethod
+    def beside(cls, written: Mapping) -> dict:
+        """Find sections and keys that are missing, or that exclude others."""
+        needs = {"model": Model.__value__.__metadata__[0].asks, "sweep": "a mapping: the axes"}
+        faults = {
+            key: f"missing; write {need}" for key, need in needs.items() if key not in written
+        }
+        several = written.get("devices")
+        if "device" not in written and several is None:
+            faults["device"] = "missing; write a mapping: the beam, the mass and what they meet"
+        elif "device" in written and several is not None:
+            faults["devices"] = "excludes device; write one of them"
+        several = several if isinstance(several, Mapping) else {}
+        for name in several:
+            if not (isinstance(name, str) and re.fullmatch("[A-Za-z][A-Za-z0-9_-]{0,30}", name)):
+                need = "a name of letters, digits, - and _, at most 31 of them"
+                faults["devices", name] = f"{describe(name)} is not {need}"
+        if isinstance(run := written.get("run"), Mapping) and OF_SNAKEMAKE in run:
+            faults["run", OF_SNAKEMAKE] = "is given to Snakemake, as --cores; leave it out"
+        if isinstance(sweep := written.get("sweep"), Mapping):
+            pulse = written.get("pulse")
+            itself = isinstance(pulse, Mapping) and any(name in pulse for name in TIMED)
+            faults |= {("sweep", key): line for key, line in one_time(sweep, itself).items()}
+            faults |= _dampers(written, sweep, several)
+        return faults
+
+    @property
+    def by_name(self) -> dict[str, DeviceSection]:
+        """The sections of the devices; a single one is called `device`."""
+        return self.devices or {"device": self.device}
+
+
+def _dampers(written, sweep, several):
+    """Find what is wrong with C, which stands under sweep or follows from the quality factors."""
+    at = {("devices", name): device for name, device in several.items()}
+    at = at or {("device",): written.get("device")}
+    at = {path: device for path, device in at.items() if isinstance(device, Mapping)}
+    if at and all(device.get("mass") == "none" for device in at.values()):
+        extra = {("sweep", "C"): "needs a mass; leave it out"}
+        return extra if "C" in sweep else {}
+    factors = [(*path, "quality_factor") for path in at if "quality_factor" in at[path]]
+    if "C" in sweep:
+        return dict.fromkeys(factors, "replaces sweep.C; write one of them")
+    wanted = "dampers (force time per length) of the mass, or device.quality_factor"
+    return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}
+
+
+def _document():
+    """Make the record of the whole config: sections of the core and of all applications."""
+    sections = gather(lambda application: application.section())
+    return row_of_kinds("Document", sections, Core)
+
+
+Document = _document()

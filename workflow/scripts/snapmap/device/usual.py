@@ -1,0 +1,53 @@
+"""Usual values of a device, and warnings of values beyond them, as after a slip of a unit."""
+
+import warnings
+from collections.abc import Mapping
+
+import numpy as np
+
+USUAL = {
+    "youngs_modulus": (1e3, 1.3e6),
+    "density": (1e-4, 0.025),
+    "damping": (0.0, 1e3),
+    "residual_stress": (-5e3, 5e3),
+    "clamp_axial": (1.0, 1e9),
+    "mass": (1e-3, 1e6),
+    "spring": (1e-4, 1e6),
+    "contact": (1e-3, 1e8),
+    "gap": (1e-3, 1e3),
+    "stop_toward": (1e-3, 1e3),
+    "stop_away": (1e-3, 1e3),
+    "strength": (1.0, 1e5),
+    "gravity": (1e-7, 1e-3),
+}
+"""Ranges, in internal units, beyond which a value is probably a slip."""
+IN_SI = {"um": 1e6, "MPa": 1e-6, "ng/um^3": 1e-6, "um/us^2": 1e-6}
+"""Internal units of which SI numbers are told, with SI's unit in them."""
+LENGTHS = 0.01, 1e6
+"""Usual lengths, um."""
+
+
+def warn_of_si(section: str, sign: str, values: Mapping[str, object], units: Mapping) -> None:
+    """Warn, in one line, if the number of a section's `sign` would be usual in SI only.
+
+    values: numbers by name; arrays are left out, as their devices have been made before
+    units: internal units by name
+    """
+    alike = {}
+    for name in values.keys() & units.keys():
+        value, unit = values[name], units[name]
+        low, high = LENGTHS if unit == "um" else USUAL.get(name, (-np.inf, np.inf))
+        if type(value) in (int, float) and unit in IN_SI and not low <= value <= high:
+            alike |= {name: unit} if low <= value * IN_SI[unit] <= high else {}
+    if sign in alike:
+        words = ", ".join(f"{name} = {values[name]:g} {alike[name]}" for name in sorted(alike))
+        line = f"device.{section}{words}: is this SI? numbers are in um, ng, us, and hence MPa"
+        warnings.warn(line, stacklevel=5)
+
+
+def require(holds: np.ndarray, complaint: str, *values: np.ndarray) -> None:
+    """Raise ValueError if `holds` is false anywhere; the first values there fill the complaint."""
+    wrong = np.flatnonzero(~np.atleast_1d(holds))
+    if wrong.size:
+        first = [np.broadcast_to(value, np.size(holds))[wrong[0]] for value in values]
+        raise ValueError(complaint.format(*first))

@@ -1,0 +1,69 @@
+"""Thresholds as a line of text, and as a plain table for other tools."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from ..files.text import plain
+from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
+
+
+def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
+    """Make a table with a row for each threshold: its place on all axes, then its variables.
+
+    thresholds: a Dataset of `threshold`
+    Limits of long and short pulses are repeated in each row. `status` is in words. The ends of
+    islands are left out.
+    """
+    N_first = thresholds.N_first
+    dims, kept = N_first.dims, [key for key, a in thresholds.items() if "island" not in a.dims]
+    table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
+    table.insert(len(dims), "duration_ms", 1e3 / table["f0"])
+    table["status"] = np.array(STATUS)[table["status"]]
+    return table[[*dims, "duration_ms", *kept]]
+
+
+def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
+    """Sum up thresholds in one line: their range, errors, ragged ones, and the weaker direction.
+
+    lowest, highest: ends of a grid's N; the line says which maps lie on one side of the threshold
+    """
+    N_first, status = thresholds.N_first, thresholds.status
+    exists = np.isfinite(N_first.values)
+    N, error = N_first.values[exists], thresholds.N_error.values[exists]
+    ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
+    ends = f"from N = {' to '.join(ends)}, " if N.size else ""
+    known = (error / N)[np.isfinite(error)]
+    typical = f"{np.median(known):.2%}" if known.size else "unknown"
+    ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
+    line = (
+        f"{N.size} of {N_first.size} thresholds found, {ends}"
+        f"{ragged} of them ragged, {int((known > 0.01).sum())} with an error above 1 %, "
+        f"median {typical}"
+    )
+    for number in (NOTHING_SNAPS, NOT_FOLLOWED):
+        if count := int((status == number).sum()):
+            line += f"; {STATUS[number].replace('_', ' ')} in {count}"
+    beyond = {
+        "above": N_first < lowest,
+        "below": (N_first > highest) | (status == NOTHING_SNAPS) & (highest < np.inf),
+    }
+    for side, rows in beyond.items():
+        maps = rows.all("f0")
+        if maps.any():
+            where = f" in {int(maps.sum())} of {maps.size} maps" if maps.size > 1 else ""
+            line += f"; the grid lies wholly {side} the threshold{where}"
+    if thresholds.sizes.get("direction", 1) < 2:
+        return line
+    # If nothing snaps in one direction, the other is the weaker one.
+    weaker = N_first.fillna(np.inf).idxmin("direction").where(N_first.notnull().any("direction"))
+    sides = [f"{side} in {int((weaker == side).sum())} rows" for side in N_first.direction.values]
+    return f"{line}; weaker along {', '.join(sides)}"
+
+
+def to_digits(N: float, error: float) -> str:
+    """Write a threshold to the digits that its error allows, at most four."""
+    known = math.floor(math.log10(N)) - math.floor(math.log10(error)) if error > 0 else 3
+    return plain(N, min(max(known, 0), 3) + 1)
