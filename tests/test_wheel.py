@@ -78,8 +78,9 @@ def installed(request, root, wheel, tmp_path):
         uv("pip install", "--python", venv / "bin" / "python", "--requirements", packages, wheel)
 
     def run(command, *words):
+        how = {"env": {key: os.environ[key] for key in os.environ if key != "PYTHONPATH"}}
         command = [venv / "bin" / command, *words]
-        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, **how)
 
     return install, run
 

@@ -4,10 +4,12 @@ import os
 import subprocess
 import sys
 
+import flat
 import pytest
 from numba import njit
 
-from snapmap.numerics.kernels import compiled
+from snapmap.numerics.kernels import _hash, compiled
+from snapmap.solver.kernel import lanes, trace
 
 OUTER = """
 import numba
@@ -81,6 +83,26 @@ def test_a_damaged_kernel_is_compiled_anew_and_kept(cache):
                 kernel = compiled(_size)
                 assert kernel((0, 0)) == 2
                 assert sum(kernel.stats.cache_hits.values()) == hits
+
+
+def test_another_numba_keeps_kernels_of_its_own(cache, monkeypatch):
+    for version in ("0.61.0", "0.68.1"):
+        with monkeypatch.context() as other:
+            other.setattr("numba.__version__", version)
+            _hash.cache_clear()
+            assert compiled(_size)((0,) * 3) == 3
+        _hash.cache_clear()
+    assert len({path.parent for path in cache.rglob("*.nbi")}) == 2
+
+
+def test_no_kernel_has_one_that_refers_to_objects_of_python(handout):
+    """Those of one that is compiled anew, and of its copy on disk, may have other numbers."""
+    flat.simulate(handout, 1300.0, 1500.0, 25.0, "cosines", horizon=9.0)
+    flat.sweep(handout, [1300.0], [1500.0], [25.0], model="cosines")
+    for kernel in (lanes.follow_all, trace.keep_block, trace.follow_stress, trace.keep_midpoints):
+        for whole in kernel.overloads.values():
+            assert not any(part.consts for part in whole._find_referenced_environments())
+    assert lanes.follow_all.overloads and trace.keep_block.overloads
 
 
 @pytest.mark.filterwarnings("error")

@@ -1,7 +1,8 @@
 """What all kernels share: a fused multiply-add, a sine, wide vectors, and how they are compiled.
 
 Kernels give the same bits on every machine. They are kept on disk, in a folder named by a hash of
-their sources, so that an edited kernel never meets an older one; each file there ends with a hash.
+their sources and numba's version, so that an edited kernel never meets an older one, nor one of
+another numba; each file there ends with a hash.
 """
 
 import fcntl
@@ -13,6 +14,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
+import numba
 import numpy as np
 from numba import float64, njit, types
 from numba.core import caching, config, event
@@ -96,12 +98,14 @@ def inlined(function: Callable) -> Callable:
 
 @cache
 def _hash(folder):
-    """Hash the modules of a folder and of this one, from which the folder's kernels are compiled.
+    """Hash numba's version and the modules of a folder and of this one: its kernels' sources.
 
-    numba itself notices an edit in the file of a kernel, but none in the files that it calls.
+    numba itself notices an edit in the file of a kernel, but none in the files that it calls; and
+    two versions of numba would each empty the other's list of kernels, one by one.
     """
     paths = sorted({*folder.glob("*.py"), *Path(__file__).parent.glob("*.py")})
-    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:12]
+    parts = [numba.__version__.encode(), *(path.read_bytes() for path in paths)]
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:12]
 
 
 SEAL = b"SHA-256 of all bytes before: "

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
 from ...numerics import pieces as curve
 from ...numerics.kernels import compiled, fma, sine, widen_vectors
@@ -27,7 +28,9 @@ class PulseState(NamedTuple):
     lasts: np.ndarray
 
 
-@compiled
+# No kernel of its own: one that returns arrays to Python must not be part of others. If it is
+# compiled anew beside one that has it from the disk, numba mixes up what both of them refer to.
+@register_jitable
 def no_pulse() -> PulseState:
     """Make the state of lanes without a pulse."""
     pulse, piece, steps, lasts = np.zeros((4, LANES), np.int64)
