@@ -1,4 +1,4 @@
-"""Datasets of plain arrays: those of xarray, made without the packages whose arrays they are not."""
+"""Datasets of plain arrays are those of xarray, made without packages of other arrays."""
 
 import os
 import subprocess

@@ -33,11 +33,11 @@ TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications
 
 
 def dataset(data: Mapping[str, tuple], axes: Mapping[str, np.ndarray]) -> xr.Dataset:
-    """Make the dataset that `xr.Dataset` makes of arrays of numpy, without a look at their types.
+    """Make the dataset that `xr.Dataset` makes of plain arrays of numbers.
 
     data: dimensions, values and perhaps attributes, by name; axes: values by name
-    To see that the arrays are not theirs, xarray would import dask and pint where these are
-    installed: a sixth of the first threshold of a process.
+    To see whether an array is theirs, `xr.Dataset` imports dask and pint where these are installed:
+    a sixth of the first threshold of a process. An axis of names still does.
     """
     made = {
         key: xr.Variable(dims, np.asarray(values), *attributes, fastpath=True)
