@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import xarray as xr
 
-from snapmap.study.variables import dataset
+from snapmap.study.variables import as_dataset
 
 FIRST = """
 import sys, snapmap
@@ -25,7 +25,7 @@ def test_a_dataset_is_that_of_xarray():
         "edges": (("C", "island"), np.ones((3, 2))),
         "area": ((), 0.6),
     }
-    made, by_xarray = dataset(data, axes), xr.Dataset(data, axes)
+    made, by_xarray = as_dataset(data, axes), xr.Dataset(data, axes)
     xr.testing.assert_identical(made, by_xarray)
     assert {key: made[key].dtype for key in made.variables} == {
         key: by_xarray[key].dtype for key in made.variables

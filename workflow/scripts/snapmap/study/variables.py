@@ -32,7 +32,7 @@ TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications
 """Tables of the core, and of each application in its folder."""
 
 
-def dataset(data: Mapping[str, tuple], axes: Mapping[str, np.ndarray]) -> xr.Dataset:
+def as_dataset(data: Mapping[str, tuple], axes: Mapping[str, np.ndarray]) -> xr.Dataset:
     """Make the dataset that `xr.Dataset` makes of plain arrays of numbers.
 
     data: dimensions, values and perhaps attributes, by name; axes: values by name
