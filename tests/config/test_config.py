@@ -173,12 +173,13 @@ def test_usual_units_are_those_of_pint(target):
 
 READ = """
 import sys
+from snapmap.applications import refuse_all
 from snapmap.config.devices import load_device
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 
 for name in ("config", "handout", "sensor", "arm"):
-    load_config(read_document(f"config/{name}.yaml"))
+    refuse_all(load_config(read_document(f"config/{name}.yaml")))
 print({"numba", "pint", "xarray"} & {*sys.modules}, load_device("config/config.yaml").beam.span)
 load_config({"device": 3})
 """

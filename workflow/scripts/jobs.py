@@ -4,6 +4,7 @@ study: a `Config`, which each job reads anew by `planned_study`
 Functions import what they need, as a job of cells does without xarray.
 """
 
+import gc
 import sys
 from functools import partial
 from tempfile import TemporaryDirectory
@@ -69,6 +70,7 @@ def function_of(rule):
 
 
 if __name__ == "__main__":
+    gc.set_threshold(200_000)  # of the many objects of imports hardly any is garbage
     if snakemake.rule != "collect":  # no other has lazy arrays, for which xarray imports dask
         sys.modules["dask"] = None
     run_rule(function_of(snakemake.rule), snakemake, partial(hash_numbers, __file__), planned_study)

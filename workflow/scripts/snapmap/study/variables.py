@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from typing_extensions import TypeAliasType
 
@@ -29,6 +30,21 @@ FlagVariable = TypeAliasType("FlagVariable", Annotated[xr.DataArray, _FLAGS])
 _HERE = Path(__file__)
 TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]
 """Tables of the core, and of each application in its folder."""
+
+
+def as_dataset(data: Mapping[str, tuple], axes: Mapping[str, np.ndarray]) -> xr.Dataset:
+    """Make the dataset that `xr.Dataset` makes of plain arrays of numbers.
+
+    data: dimensions, values and perhaps attributes, by name; axes: values by name
+    To see whether an array is theirs, `xr.Dataset` imports dask and pint where these are installed:
+    a sixth of the first threshold of a process. An axis of names still does.
+    """
+    made = {
+        key: xr.Variable(dims, np.asarray(values), *attributes, fastpath=True)
+        for key, (dims, values, *attributes) in data.items()
+    }
+    indexes = {key: pd.Index(row) if row.dtype == float else row for key, row in axes.items()}
+    return xr.Dataset(made, indexes)
 
 
 def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) -> xr.Dataset:

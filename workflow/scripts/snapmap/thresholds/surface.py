@@ -12,7 +12,7 @@ from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study.arguments import AnyStudy, Axes
 from ..study.axes import Grid, rows_of
 from ..study.study import OF_THRESHOLDS, Study
-from ..study.variables import dress, flags
+from ..study.variables import as_dataset, dress, flags
 from ..values.quantities import Dampers, Frequencies, Positive, Refinement
 from .cost import tell_cost
 from .limits import limits_of, slow_law
@@ -108,7 +108,7 @@ def thresholds_of(
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": COMMENT}
     gravity = float(grid.device.gravity[0])
-    return dress("threshold", xr.Dataset(data, grid.axes), document, gravity=gravity)
+    return dress("threshold", as_dataset(data, grid.axes), document, gravity=gravity)
 
 
 def first_snaps(
@@ -117,7 +117,7 @@ def first_snaps(
     """Find the thresholds of a study as `thresholds_of` does, but no limits and no N_latched."""
     grid = study.set_out(axes)
     columns = _search(search_of(study, grid)._replace(tolerance=tolerance), grid)
-    return xr.Dataset(_variables(grid, columns), grid.axes)
+    return as_dataset(_variables(grid, columns), grid.axes)
 
 
 def search_of(study: Study, grid: Grid) -> Search:

@@ -35,9 +35,9 @@ class Calibration(Application):
 
     def refuse(self, study: Config) -> None:
         """Raise ValueError, one line, for shots that no device of the ranges can give."""
-        from .dataset import refuse_far
-
         if asked := study.requests["calibration"]:
+            from .dataset import refuse_far
+
             refuse_far(study.of_thresholds(), asked.shots, asked.unknowns, asked.C)
 
     def outputs(self, study: Config) -> Files:

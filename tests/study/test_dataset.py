@@ -1,0 +1,40 @@
+"""Datasets of plain arrays are those of xarray, made without packages of other arrays."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import xarray as xr
+
+from snapmap.study.variables import as_dataset
+
+FIRST = """
+import sys, snapmap
+study = snapmap.Study(snapmap.load_device("config/config.yaml"), model="cosines")
+snapmap.threshold(study, 1500, 25)
+print({"dask", "pint"} & {*sys.modules})
+"""
+
+
+def test_a_dataset_is_that_of_xarray():
+    axes = {"device": np.array(["thin", "thick"]), "C": np.array([0.0, 25.0, np.inf])}
+    data = {
+        "status": (("device", "C"), np.zeros((2, 3), np.int8), {"flag_meanings": "found"}),
+        "N_first": (("device", "C"), np.array([[1.0, np.nan, 2.0], [3.0, 4.0, np.nan]])),
+        "edges": (("C", "island"), np.ones((3, 2))),
+        "area": ((), 0.6),
+    }
+    made, by_xarray = as_dataset(data, axes), xr.Dataset(data, axes)
+    xr.testing.assert_identical(made, by_xarray)
+    assert {key: made[key].dtype for key in made.variables} == {
+        key: by_xarray[key].dtype for key in made.variables
+    }
+    assert made.indexes["C"].equals(by_xarray.indexes["C"])
+
+
+def test_a_threshold_imports_neither_dask_nor_pint(root):
+    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
+    command = [sys.executable, "-c", FIRST]
+    said = subprocess.check_output(command, cwd=root, env=environment, text=True)
+    assert said == "set()\n"
