@@ -16,11 +16,11 @@ from ...numerics.statistics import percents, scope
 from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
-from ...study.axes import KIND_OF
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
+from ...values.damper import INTERNAL
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
@@ -34,7 +34,6 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Words and unit of each of `Extremes`."""
-DAMPER = KIND_OF["C"].unit, 1.0
 OUTSIDE = "outside any package: not valid"
 """Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
@@ -47,7 +46,7 @@ def datasheet(
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     title: str = "",
-    damper: tuple[str, float] = DAMPER,
+    damper: tuple[str, float] = (INTERNAL, 1.0),
     source: Mapping | None = None,
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
