@@ -144,7 +144,10 @@ class ModelKind(Kind):
             raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
         if value["name"] not in [*MODELS]:
             raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
-        return MODELS[value["name"]]
+        made = MODELS[value["name"]]
+        if made is Auto and "laws" in value:
+            raise ValueError(".laws: auto takes none; write name: elements, or cosines")
+        return made
 
 
 Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping | Callable, ModelKind()])
