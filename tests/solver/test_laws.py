@@ -14,6 +14,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.applications import gather
+from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
 from snapmap.beam.elements import hermite_elements
 from snapmap.config.doubts import descriptions, doubts
@@ -23,7 +24,7 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.solver import lawful_loop, plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
-from snapmap.solver.laws import Laws, load_laws
+from snapmap.solver.laws import PARAMETERS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import nodal_system
 from snapmap.solver.options import Reference
@@ -240,7 +241,7 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
                 f"mylaws.py: unit_of_C: {needs}",
             )
             for unit, needs in {
-                "uN*uss/um": "'uN*uss/um' has an unknown unit, 'uN*uss/um'; write one such",
+                "uN*uss/um": "has an unknown unit, 'uN*uss/um'",
                 "9**9**9": "'9**9**9' is not a unit; write one such as uN*us^3/um^3, or 1",
                 3: "3 is not a unit; write",
             }.items()
@@ -392,3 +393,67 @@ def test_a_solver_sees_the_start_says_what_it_does_not_believe_and_has_no_histor
         ValueError, match=r"^model\.laws: of reference work only with sweep, threshold; l"
     ):
         flat.simulate(handout, 900.0, F0, 0.0, model=model)
+
+
+def test_a_law_counts_C_in_the_unit_that_it_states(handout):
+    """A drag of C velocity^2 has kg/m, here by a solver that snaps from C = 7 on."""
+    seen = {"solver": lambda cell, step: 1.0 if cell.damping > 6.9 else None}
+    model = Reference(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
+    study = snapmap.Study(handout, model, run={"until": "snap"})
+    cube = snapmap.sweep(study, [900.0], [F0], ["6e-6 kg/m", "7 uN*us^2/um^2", 8.0])
+    assert cube.C.values.tolist() == pytest.approx([6.0, 7.0, 8.0])
+    assert np.isfinite(cube.t_snap.squeeze().values).tolist() == [False, True, True]
+    assert cube.C.units == "uN us2 um-2" and cube.N.units == "1"
+    assert snapmap.sweep(study, [900.0], [F0], cube.C).identical(cube)
+    title = snapmap.plot_outcome(cube.sel(C=8.0)).get_title()
+    assert "$C$ = 8 µN µs$^{2}$/µm$^{2}$" in title
+    with pytest.raises(
+        ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
+    ):
+        snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
+    own = snapmap.Study(handout, Reference(laws=seen), run={"until": "snap"})
+    own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
+    assert own.C.units == "uN us um-1" and "unit_of_C" not in own.attrs["config"]
+
+
+def test_a_config_writes_C_in_the_unit_of_its_law(root, law_file):
+    law_file.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
+    study = load_config(CUBIC | {"sweep": CUBIC["sweep"] | {"C": ["2e-8 N*s^3/m^3"]}})
+    assert study.axes["C"] == pytest.approx([0.02]) and study.units["C"][0] == "N*s^3/m^3"
+    assert study.document()["model"]["unit_of_C"] == study.unit_of_C == "uN*us^3/um^3"
+    wrong = CONFIG | CELLS | {"maps": [{"x": "f0", "y": "N", "at": {"C": "25 uN*us/um"}}]}
+    with pytest.raises(Faults) as caught:
+        load_config(wrong)
+    such = "write a damper constant such as '25 uN*us^3/um^3'"
+    needs = f"'25 uN*us/um' does not convert to uN*us^3/um^3; {such}"
+    assert set(caught.value.args) == {f"{at}: {needs}" for at in ("sweep.C[0]", "histories[0].C")}
+    sweep = {key: value for key, value in CONFIG["sweep"].items() if key != "C"}
+    damped = {"device": CONFIG["device"] | {"quality_factor": 200}, "sweep": sweep}
+    with pytest.raises(Faults, match=r"^device\.quality_factor: gives C in uN\*us/um, but "):
+        load_config(CONFIG | damped)
+
+
+def test_what_a_data_sheet_does_not_know_it_says(handout, laws):
+    force, damping = laws("double_well"), laws("cubic_damping")
+    own, pulled, dragged = (
+        dict(_at_rest(handout, each, [], ("", 1.0))) for each in (None, force, damping)
+    )
+    told = {key for key, text in pulled.items() if text == "not known under model.laws"}
+    assert own.keys() == pulled.keys() == told | {"frequency of the mass on its spring"}
+    assert {key for key in own if dragged[key] != own[key]} == {"slow shock that snaps it"}
+    with pytest.raises(ValueError, match=r"^model\.laws: force: statics are of the device's own"):
+        snapmap.statics(snapmap.Study(handout, snapmap.Cosines(laws=force)))
+
+
+def test_the_laws_on_the_page_are_those_of_the_examples(root, laws):
+    text = (root / "docs" / "own-physics.md").read_text(encoding="utf-8")
+    written = [b for b in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S) if ".py," in b]
+    for block in written:
+        exec(block, names := {})
+        name = re.search(r"# (\w+)\.py", block).group(1)
+        law = next(key for key in ("damping", "contact", "force") if key in names)
+        ours = getattr(laws(name), law)
+        for at in np.random.default_rng(3).uniform(-2.0, 2.0, (9, 3))[:, : len(PARAMETERS[law])]:
+            assert names[law](*at.tolist()) == pytest.approx(ours(*at.tolist()), rel=1e-12)
+        assert names.get("unit_of_C", "uN*us/um") == laws(name).unit_of_C
+    assert len(written) == len([*(root / "examples" / "laws").glob("*.py")])

@@ -84,7 +84,6 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-    unit_of_C: str | None = None,
 ) -> object:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
@@ -100,8 +99,6 @@ def reference(
     force
         Function (displacement) that returns the force that holds the midpoint, uN; by default that
         of the beam.
-    unit_of_C
-        Unit in which `damping` counts C, as a config spells it; by default uN*us/um.
 
     Returns
     -------
@@ -123,7 +120,7 @@ def reference(
     """
     from .options import Reference
 
-    laws = compile_laws({"damping": damping, "contact": contact, "force": force, UNIT: unit_of_C})
+    laws = compile_laws({"damping": damping, "contact": contact, "force": force})
     return Reference(laws=laws)
 
 
@@ -133,20 +130,10 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
     if not laws or ("solver" in laws and len(laws) > 1):
         many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
         raise ValueError(f"model.laws: {many}; write a function named {needs}")
-    if functions.get(UNIT) is not None:
-        laws[UNIT] = _unit_of_C(functions[UNIT], laws)
-    return Laws(**laws)
-
-
-def _unit_of_C(unit, laws):
-    """Take the unit that a file or a call states; ValueError, one line, for a wrong one."""
-    if not laws.keys() & {"damping", "solver"}:
+    if UNIT in functions and not laws.keys() & {"damping", "solver"}:
         raise ValueError(f"model.laws: {UNIT}: needs a law of damping; leave it out")
-    try:
-        return require_unit(unit)
-    except ValueError as error:
-        such = "write one such as uN*us^3/um^3, or 1"
-        raise ValueError(f"model.laws: {UNIT}: {show(unit)} {error}; {such}") from None
+    with naming(f"model.laws: {UNIT}"):
+        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, INTERNAL)))
 
 
 @contextmanager
@@ -168,7 +155,7 @@ def of_user(what: str, law: object = None) -> Iterator[None]:
             told = re.sub(r"^Failed in .*?\(step: .*?\)", "", told, flags=re.DOTALL)
             fault = f"numba cannot compile it; {re.split(OF_NUMBA, told)[0]}"
         what = "" if place and what == place[0] else f"{what}: "
-        line = " ".join(f"{_at(place or _start_of(law))}{what}{fault}".split())
+        line = " ".join(f"{_at(place, law)}{what}{fault}".split())
         raise ValueError(f"model.laws: {line.removesuffix(':')}") from error
 
 
@@ -178,34 +165,24 @@ def _line_of(error):
         return error.filename, error.lineno
     frames = [(frame.filename, frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
     for places in (frames, re.findall(r'File "(.*?)", line (\d+)', str(error))):
-        own = [at for at in places if not _is_library(at[0])]
-        if own:
+        if own := [at for at in places if not os.path.abspath(at[0]).startswith(LIBRARIES)]:
             return own[-1]
     return None
 
 
-def _is_library(file):
-    return file.startswith("<frozen") or os.path.abspath(file).startswith(LIBRARIES)
-
-
-def _start_of(law):
-    """Give the file and line where a function begins; None if it is none of Python."""
+def _at(place, law=None):
+    """Write file and line before a fault, or those where a law begins; a notebook has no file."""
     law = getattr(law, "func", law)
     code = getattr(getattr(law, "py_func", law), "__code__", None)
-    return code and (code.co_filename, code.co_firstlineno)
-
-
-def _at(place):
-    """Write file and line before a fault; a cell of a notebook has no file."""
-    if not place:
+    if not (place or code):
         return ""
-    file, line = place
+    file, line = place or (code.co_filename, code.co_firstlineno)
     return f"{file}, line {line}: " if Path(file).is_file() else f"line {line}: "
 
 
 def fault_of(law: Callable, key: str, line: str) -> ValueError:
     """Make the error of a law that is wrong, by its name: a line with the file and line of it."""
-    return ValueError(f"model.laws: {_at(_start_of(law))}{key}: {line}")
+    return ValueError(f"model.laws: {_at(None, law)}{key}: {line}")
 
 
 @cache

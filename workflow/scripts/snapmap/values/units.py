@@ -163,10 +163,10 @@ def spelling_of(value: object, unit: str) -> tuple[str, float]:
 
 def require_unit(text: object) -> str:
     """Give a unit as a config spells it, "" for "1"; raises ValueError for an unknown one."""
-    if text == "1":
-        return ""
+    if text == "1" or text in USUAL:
+        return "" if text == "1" else text
     if not _matches(re.compile(_UNIT, re.ASCII), text):
-        raise ValueError("is not a unit")
+        raise ValueError(f"{show(text)} is not a unit; write one such as uN*us^3/um^3, or 1")
     by_pint(text, text)
     return text
 
@@ -176,17 +176,14 @@ def spelling(unit: str) -> Spelling:
     """Spell a unit of a config; those that are not in SPELT as they are written."""
     if unit in SPELT:
         return SPELT[unit]
-    files, page = "", ""
+    figures = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
+    figures = re.sub(r"\bu(?=\w)", "µ", re.sub(r" *\* *", " ", figures))
+    page = re.sub(r"\$\^{(.*?)}\$", lambda power: power[1].translate(_RAISED), figures)
+    files = []
     for before, name, power, digit in re.findall(_PART, unit):
-        power = int(power or {"²": 2, "³": 3}.get(digit, 1))
-        sign = "/" if "/" in before else "\u00a0" if page else ""
-        page += sign + name + (str(power).translate(_RAISED) if power != 1 else "")
-        power = -power if sign == "/" else power
-        files += f" {name}{power if power != 1 else ''}"
-    powers = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
-    figures = re.sub(r" *\* *", " ", powers)
-    micro = re.compile(r"\bu(?=\w)")
-    return Spelling(files.strip(), micro.sub("µ", figures), micro.sub("µ", page))
+        power = int(power or {"²": 2, "³": 3}.get(digit, 1)) * (-1 if "/" in before else 1)
+        files.append(f"{name}{power}" if power != 1 else name)
+    return Spelling(" ".join(files), figures, page.replace(" ", "\u00a0"))
 
 
 def is_plain(value: object) -> bool:
