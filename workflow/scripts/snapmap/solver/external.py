@@ -47,7 +47,7 @@ class Cell(NamedTuple):
     @property
     def place(self) -> tuple[float, float, float]:
         """N, f0 in Hz, and C in uN us/um."""
-        return self.amplitude / self.device.gravity, 1e6 * self.f0, self.damping
+        return float(self.amplitude / self.device.gravity), 1e6 * self.f0, self.damping
 
 
 class Answers:
@@ -118,7 +118,7 @@ class Answers:
             _append(path, b"\n")
         whole = sum(map(bool, runs)) + lines.count(b"") + lines.count(HEAD)
         if damaged := len(lines) - whole:
-            logger.warning("%s: %d damaged lines; their runs are made again", path, damaged)
+            logger.warning("%s: left out damaged lines, %d in all", path, damaged)
 
 
 def _append(path, content):

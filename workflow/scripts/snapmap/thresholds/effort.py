@@ -37,5 +37,5 @@ class Effort(NamedTuple):
 
 
 THOROUGH = Effort()
-FRUGAL = Effort(0.25, 0.1, 0.01, 1, 2, (2, 4, 8, 16, 32, 64), thorough=False)
+FRUGAL = Effort(0.25, 0.1, 0.01, 1, 2, (2, 4, 8, 24, 64), thorough=False)
 """The effort for a user's own solver: at most 60 runs for a clean row."""

@@ -167,8 +167,19 @@ def scan_upwards(
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
         lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], effort.scan)
-        first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
+        first = np.where(begins, first_snap(lower, _snaps_downwards(probe, lower))[1], first)
     return first, np.fmax.reduce(N, axis=1), quiet
+
+
+def _snaps_downwards(probe, N):
+    """Tell which of ascending N snap, (rows, n); where runs are dear, down to a quiet one."""
+    if probe.effort.thorough:
+        return probe.snaps(N)
+    snaps, left = np.zeros(N.shape, bool), np.ones(len(N), bool)
+    for k in reversed(range(N.shape[1])):
+        snaps[:, k] = probe.snaps(np.where(left, N[:, k], np.nan)[:, np.newaxis])[:, 0]
+        left &= snaps[:, k] | np.isnan(N[:, k])
+    return snaps
 
 
 def scan_range(
