@@ -20,7 +20,7 @@ CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
 SEARCH = 50
-"""Typical number of runs for a clean threshold: 38 to 57 were counted."""
+"""Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
