@@ -20,8 +20,8 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.settings import Run
+from snapmap.thresholds.effort import CLOSE_STEP
 from snapmap.thresholds.probe import Probe, lowest_snap
-from snapmap.thresholds.search import CLOSE_STEP
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
 from .common import SMALL, Timed, few, number

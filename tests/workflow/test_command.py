@@ -79,7 +79,7 @@ def test_check_counts_the_runs_of_a_solver_of_ones_own(tmp_path, monkeypatch, ca
         (tmp_path / "config.yaml").write_text(yaml.safe_dump(document))
         assert main(["check", "config.yaml"]) == 0
         assert capsys.readouterr().out.splitlines()[-1] == (
-            f"runs of the solver: {runs} of cells, and about 750 for each of 2 thresholds, "
+            f"runs of the solver: {runs} of cells, and about 50 for each of 2 thresholds, "
             "more where they are ragged"
         )
 

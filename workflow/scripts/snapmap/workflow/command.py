@@ -19,8 +19,8 @@ PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if p
 CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
-SEARCH = 750
-"""Typical number of runs for a clean threshold: 684 to 825 were counted."""
+SEARCH = 50
+"""Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
