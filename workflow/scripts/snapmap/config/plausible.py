@@ -13,7 +13,8 @@ from ..values.units import used
 STEEP = 0.05
 """Rise over span above which the assumption of a shallow arch raises forces by more than 1 %."""
 FORCES_TOO_HIGH, THRESHOLDS_TOO_HIGH = 565.0, 538.0
-"""Errors of forces and of thresholds of slow shocks, in %, over the square of rise over span: docs/validation.md."""
+"""Errors of forces and of slow shocks' thresholds in %, over the square of rise over span:
+docs/validation.md."""
 SLENDER = 20.0, 5000.0
 """Span over thickness below which shear raises forces by 1 %, and above which no beam is made."""
 SLAB = 0.05, 10.0
