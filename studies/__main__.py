@@ -7,8 +7,8 @@ NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
     *("convergence", "labels", "validation", "speed", "laws", "laws_speed", "impacts"),
 )
-SLOW = ("accuracy", "coverage", "steps")
-"""Studies that take more than five minutes of a processor."""
+SLOW = ("coverage", "steps")
+"""Studies that take more than ten minutes of a processor."""
 
 
 def main() -> None:
