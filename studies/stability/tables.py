@@ -8,6 +8,7 @@ from snapmap.files.text import DASH
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, OUTCOMES, RETURNED, SNAPPED, UNSNAPPED
 
 from ..tables import Table
+from .cases import MODELS
 from .verdicts import CAUGHT, LEFT_OUT, REFUSED, SENSITIVE, SHIFTED, UNSEEN, VERDICTS
 
 MARKS = {
@@ -30,7 +31,7 @@ def default_table(cases):
         [case, *(_default_entry(cases.sel(case=case, model=model)) for model in models)]
         for case in cases.case.values
     ]
-    return Table("stability", ["case", *models], rows)
+    return Table("stability", ["case", *MODELS], rows)
 
 
 def _default_entry(pair):
