@@ -43,10 +43,9 @@ JUDGES = Cosines(modes=16), Elements(elements=20, modes=12)
 JUDGED_STEP = 0.2
 """The judges are two far finer discretisations in a fifth of the default steps. A threshold on
 which they agree is well posed."""
-MOST_STEPS = 1e6
+MOST_STEPS = 3e5
 """Largest number of steps of a judge's run; rows that need more are left out. Only pulses with
-corners need as many, across gaps or between stops. With 3e5, 150 devices take half an hour of a
-core."""
+corners need as many, across gaps or between stops; the 150 devices then take half an hour."""
 AGREED, REFINED = 3e-4, 1e-5
 """Largest difference between judges that agree, and tolerance of their thresholds; relative."""
 REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP
