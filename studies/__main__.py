@@ -5,8 +5,10 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "speed", "laws", "laws_speed", "impacts"),
+    *("convergence", "labels", "validation", "speed", "laws", "laws_speed", "impacts"),
 )
+SLOW = ("coverage", "steps")
+"""Studies that take more than ten minutes of a processor."""
 
 
 def main() -> None:
