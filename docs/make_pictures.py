@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from PIL import Image
 
 import snapmap
 from snapmap.config.study import load_config
@@ -21,9 +20,11 @@ from snapmap.figures import maps, scales, style
 from snapmap.solver.laws import load_laws
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+from studies.tables import reduce_colours  # noqa: E402, as only the clone has the studies
+
 PICTURES = ROOT / "docs" / "pictures"
 GALLERY = "snap_maps", "thresholds", "requirements", "probability"
-WIDTH = 1200
 C = 25.0
 SHOWN = {
     "`auto`": ("snapmap", "C5"),
@@ -57,14 +58,6 @@ def main(figures):
         reduce_colours(PICTURES / f"{name}.png", PICTURES / f"{name}.png")
     for name in GALLERY:
         reduce_colours(Path(figures) / f"{name}.png", PICTURES / f"{name}.png")
-
-
-def reduce_colours(source: Path, target: Path) -> None:
-    """Save a picture in 64 colours, at most WIDTH pixels wide: a third of its size."""
-    with Image.open(source) as image:
-        image.thumbnail((WIDTH, WIDTH), Image.Resampling.LANCZOS)
-        few = image.convert("RGB").quantize(64, dither=Image.Dither.NONE)
-    few.save(target, optimize=True)
 
 
 def snaps():

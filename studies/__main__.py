@@ -7,6 +7,8 @@ NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
     *("validation", "speed", "laws", "laws_speed", "impacts"),
 )
+SLOW = ("accuracy", "coverage", "steps")
+"""Studies that take more than five minutes of a processor."""
 
 
 def main() -> None:

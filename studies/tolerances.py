@@ -4,9 +4,9 @@
 """
 
 from snapmap import Study, load_device, tolerance
-from snapmap.files.text import table
 
 from .common import ROOT, few
+from .tables import Table, write
 
 SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
 SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
@@ -17,7 +17,7 @@ THREADS = 2
 
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
-    print(indices(device), distribution(device), sep="\n")
+    write("tolerances", indices(device), distribution(device))
 
 
 def sampled(device, **options):
@@ -27,7 +27,7 @@ def sampled(device, **options):
 
 
 def indices(device):
-    """Write the total index of each value, with its bounds."""
+    """Make a table of the total index of each value, with its bounds."""
     batch = sampled(device, samples=few(1024, 16)).sel(order="total")
     rows = []
     for value in batch.value.values:
@@ -35,11 +35,11 @@ def indices(device):
         middle = batch.sensitivity.sel(value=value).values
         cells = (f"{m:.2f} ({a:.2f} to {b:.2f})" for m, (a, b) in zip(middle, ends, strict=True))
         rows.append([str(value), *cells])
-    return table(["value", *(f"{f0:g} Hz" for f0 in few(F0))], rows)
+    return Table("tolerances_indices", ["value", *(f"{f0:g} Hz" for f0 in F0)], rows)
 
 
 def distribution(device):
-    """Write mean, standard deviation and quantiles of thresholds."""
+    """Make a table of mean, standard deviation and quantiles of thresholds."""
     batch = sampled(device, samples=few(4096, 16), index_samples=16)
     rows = []
     for f0 in few(F0):
@@ -50,7 +50,7 @@ def distribution(device):
         nominal, mean, *ends = (f"{value:.0f}" for value in values)
         rows.append([f"{f0:g}", nominal, mean, f"{spread:.1%}", *ends])
     head = ["f0, Hz", "nominal", "mean", "standard deviation", "1 % snap at", "99 % snap at"]
-    return table(head, rows)
+    return Table("tolerances_thresholds", head, rows)
 
 
 if __name__ == "__main__":

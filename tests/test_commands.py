@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from studies import tables
 from studies.__main__ import NAMES
 
 LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
@@ -35,7 +36,12 @@ ELSEWHERE = {
     "test_studies_are_targets_of_their_own": [
         *("snakemake accuracy --cores 2", "snakemake stability --cores 2")
     ],
-    "test_the_workflow_is_formatted": ["snakefmt Snakefile workflow/rules"],
+    "test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one": [
+        "snakemake --snakefile studies.smk --cores 2",
+        "snakemake --snakefile studies.smk --cores 2 all_slow",
+    ],
+    "test_pages_show_what_their_files_say": ["python docs/make_tables.py"],
+    "test_the_workflow_is_formatted": ["snakefmt Snakefile studies.smk workflow/rules"],
     "test_the_cube_is_that_of_a_local_run_bit_for_bit": [
         "snakemake --profile profiles/slurm",
         "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
@@ -93,14 +99,18 @@ def test_the_documents_name_every_study(documents):
 @pytest.mark.parametrize(
     "study", [pytest.param(name, marks=[pytest.mark.long] * (name != SHORT)) for name in NAMES]
 )
-def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
+def test_a_study_makes_its_tables_in_small(monkeypatch, tmp_path, root, study):
     """As by `python -m studies`; what it writes lands in the current folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(root / "workflow" / "scripts"))
     monkeypatch.setattr(sys, "argv", ["studies", study, "--small"])
     runpy.run_module("studies", run_name="__main__")
-    rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("|")]
-    assert len(rows) > 2  # a head, a rule, and a row at least
+    made = [path.name for path in sorted((tmp_path / "results" / "studies").glob("*.csv"))]
+    record = {path.name: tables.read(path) for path in (root / "docs" / "tables").glob("*.csv")}
+    assert made == sorted(name for name, (_, foot) in record.items() if foot[6] == study)
+    for name in made:
+        (head, *rows), _ = tables.read(tmp_path / "results" / "studies" / name)
+        assert head == record[name][0][0] and rows
 
 
 def test_the_versions_come_in_one_paste(root):
