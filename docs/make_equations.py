@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "theory.md"
 HEADING = "\n## Tests of the equations\n"
 INTRO = """
-These tests assert the numbered equations or what follows from them; `./run pytest -m equation` runs them.
+These tests assert the equations, or what follows from them: `./run pytest -m equation`.
 
 | equation | tests, below `tests/` |
 |---|---|

@@ -30,19 +30,17 @@ def of_page(h):
     m = [[156, 22 * h, 54, -13 * h], [22 * h, 4 * b, 13 * h, -3 * b]]
     m += [[54, 13 * h, 156, -22 * h], [-13 * h, -3 * b, -22 * h, 4 * b]]
     f = [h / 2, b / 12, h / 2, -b / 12]
-    parts = np.array(k) / h**3, np.array(g) / (30 * h), h / 420 * np.array(m), np.array(f)
-    return parts
+    return np.array(k) / h**3, np.array(g) / (30 * h), h / 420 * np.array(m), np.array(f)
 
 
 def shapes_of_page(xi, h):
     """The handout's N_i, and the derivatives in the table of the page, each (4, points)."""
-    one = np.ones_like(xi)
     values = [2 * xi**3 - 3 * xi**2 + 1, h * (xi**3 - 2 * xi**2 + xi)]
     values += [-2 * xi**3 + 3 * xi**2, h * (xi**3 - xi**2)]
     slopes = [6 * xi**2 - 6 * xi, h * (3 * xi**2 - 4 * xi + 1)]
     slopes += [-6 * xi**2 + 6 * xi, h * (3 * xi**2 - 2 * xi)]
     bends = [12 * xi - 6, h * (6 * xi - 4), -12 * xi + 6, h * (6 * xi - 2)]
-    return np.array(values), np.array(slopes) / h, np.array(bends) / h**2 * one
+    return np.array(values), np.array(slopes) / h, np.array(bends) / h**2
 
 
 @pytest.mark.equation(9)
@@ -110,7 +108,7 @@ def test_cosines_have_the_diagonal_matrices_of_the_formula(handout):
 @pytest.mark.equation(24)
 @pytest.mark.parametrize("n", [3, 8])
 def test_a_shape_as_made_is_projected_by_its_slopes(n):
-    """Elements: no slope of a shape is left in the difference. A shallow arc: a_n = 8 / (n pi)^2."""
+    """What is left has no slope in common with a shape. A shallow arc has a_n = 8 / (n pi)^2."""
     a, (s, weights) = np.array([0.9, -0.2, 0.1, 0.05, 0.02]), leggauss(20)
     h, basis = 1 / (2 * n), hermite_elements(n)
     q = np.concatenate([[0.0, 0.0], basis.project(a), [0.0]])

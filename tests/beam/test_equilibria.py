@@ -159,7 +159,7 @@ def test_the_barrier_and_the_second_shape_have_the_closed_forms(handout, Q):
         return unit * ((1 - s) ** 2 + 16 * r**2 + 2 / (3 * Q**2) * N**2)
 
     s, r = -(1 - root) / 2, 0.0
-    if Q > np.sqrt(6):
+    if Q**2 > 6:
         s, r = -1 / 3, np.sqrt(8 / 9 - 16 / (3 * Q**2)) / 2
         assert energy(s, r) == pytest.approx(unit * (16 / 3 - 32 / (3 * Q**2)), rel=1e-12)
     barrier = find_barrier(beam, symmetric_cosines(6))

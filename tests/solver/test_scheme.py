@@ -31,10 +31,8 @@ class Recorded:
         self.k = 1 / (1 / device.contact + c)
         at = (motion.u, motion.u_velocity), (motion.y, motion.y_velocity)
         self.p, self.y = (np.append(m[:1] - v[:1] * DT / 2, m + v * DT / 2, 0) for m, v in at)
-        self.a = [
-            amplitude * conserving_loop.sample(pulse, F0 * 1e-6, n, DT) for n in range(1, STEPS)
-        ]
-        self.a = np.array(self.a)
+        shares = [conserving_loop.sample(pulse, F0 * 1e-6, n, DT) for n in range(1, STEPS)]
+        self.a = amplitude * np.array(shares)
         p, y = self.p, self.y
         self.q = np.sum(p[:-1] @ self.S * p[1:], axis=1) + (p[:-1] + p[1:]) @ self.Sq0
         self.x = (p[:-1] + p[1:]) @ self.e / 2 - (y[:-1] + y[1:]) / 2 - device.gap
@@ -51,12 +49,8 @@ class Recorded:
         p, y, dp, dy = self.motion.u, self.motion.y, np.diff(self.p, axis=0), np.diff(self.y)
         moving = dp**2 @ self.g + self.device.mass * dy**2
         bent = p**2 @ self.kappa + self.device.spring * y**2
-        return (
-            moving / (2 * DT**2)
-            + bent / 2
-            + self.axial / 4 * self.q**2
-            + self.k / 2 * (self.x_kept**2)
-        )
+        stretched, pressed = self.axial / 4 * self.q**2, self.k / 2 * self.x_kept**2
+        return moving / (2 * DT**2) + bent / 2 + stretched + pressed
 
 
 @pytest.fixture(scope="module", params=DEVICES)
@@ -111,9 +105,9 @@ def test_the_energy_changes_by_the_work_of_the_pulse_less_the_losses(run):
 def test_the_energy_without_tension_is_no_more_than_that_of_the_step(run):
     p = run.motion.u
     Q = np.sum(p @ run.S * p, axis=1) + 2 * p @ run.Sq0
-    W = p**2 @ run.kappa / 2 + run.axial / 4 * np.minimum(Q, 0.0) ** 2
-    H = run.energy()
-    assert (W <= H + 1e-12 * H.max()).all() and W.max() > 0.1 * H.max()
+    least = p**2 @ run.kappa / 2 + run.axial / 4 * np.minimum(Q, 0.0) ** 2
+    energy = run.energy()
+    assert (least <= energy + 1e-12 * energy.max()).all() and least.max() > 0.1 * energy.max()
     assert (run.q <= Q + 1e-12 * abs(Q).max()).all()
 
 
