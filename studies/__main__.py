@@ -5,7 +5,8 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("convergence", "labels", "validation", "speed", "laws", "laws_speed", "impacts"),
+    *("convergence", "labels", "validation", "measured", "speed", "laws", "laws_speed"),
+    "impacts",
 )
 SLOW = ("coverage", "steps")
 """Studies that take more than ten minutes of a processor."""

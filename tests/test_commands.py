@@ -60,6 +60,7 @@ ELSEWHERE = {
     "test_the_recipes_in_python_run": ["python"],
     "test_the_page_has_each_name_with_all_that_help_says": ["python docs/make_reference.py"],
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
+    "test_every_equation_of_the_theory_has_a_test_that_names_it": ["python docs/make_equations.py"],
     "test_the_types_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": ["snapmap check config.yaml"],
     "test_the_versions_come_in_one_paste": ["python -m snapmap.study.provenance"],

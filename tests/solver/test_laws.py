@@ -75,6 +75,7 @@ def scipy_snap(device, laws, N, C):
     return run.t_events[0][0]
 
 
+@pytest.mark.equation(13)
 @pytest.mark.parametrize(
     ("damping", "contact", "C"),
     [("cubic_damping", "hertzian_contact", 4000.0), ("squeeze_film", "fixed_mass", 200.0)],
