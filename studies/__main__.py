@@ -6,6 +6,7 @@ import sys
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
     *("validation", "speed", "laws", "laws_speed", "impacts"),
+    *("clamps", "limits", "islands", "calibration"),
 )
 SLOW = ("accuracy", "coverage", "steps")
 """Studies that take more than five minutes of a processor."""
