@@ -5,7 +5,7 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "speed", "laws", "laws_speed", "impacts"),
+    *("convergence", "labels", "validation", "speed", "laws", "laws_speed", "impacts"),
     *("clamps", "limits", "islands", "calibration"),
 )
 SLOW = ("accuracy", "coverage", "steps")

@@ -31,7 +31,7 @@ def main():
     device = load_device(ROOT / "config" / "config.yaml")
     pulse = make_pulse()
     groups = tuple(Group(pulse.name, "+z", 1e6 / time, pulse) for time in few(DURATIONS, 2))
-    both = few(RANGES, 1), RANGES
+    both = {"thickness": RANGES["thickness"]}, RANGES
     surfaces = [surface_of(Study(device), groups, unknowns, C) for unknowns in few(both)]
     made = {name: campaigns(maker, groups) for name, maker in few(makers(device)).items()}
     fitted = made[NAMES[0]][0]
@@ -46,7 +46,7 @@ def main():
 def makers(device: Device) -> dict[str, Study]:
     """Return what makes the shots, by name."""
     free = replace(device, beam=replace(device.beam, free=1.0, imperfection=0.1))
-    models: tuple[Chosen, ...] = Cosines(modes=3), Elements(elements=20, modes=12)
+    models: tuple[Chosen, ...] = Cosines(modes=3), Elements(elements=20, modes=11)
     others = free, replace(device, stop_toward=12.0), replace(device, spring=6.0)
     studies = Study(device), *(Study(device, model) for model in models), *map(Study, others)
     return dict(zip(NAMES, studies, strict=True))

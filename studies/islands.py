@@ -23,9 +23,10 @@ from .tables import Table, write
 
 F0, DAMPINGS = np.geomspace(100, 3e4, 250), [0.025, 0.43, 1.8, 4.5, 30.0, 200.0]
 SEED, DEVICES = 67, 40
-STEP, REACH = 1.25e-4, 0.02
-"""Relative step of the scans below the bars, and how far down they go."""
-RUN = Run(1500.0, threads=2)
+STEP, REACH = 1.25e-4, np.array([0.02, 0.05])
+"""Relative step of the scans below the bars, and how far below clean and ragged thresholds they
+begin."""
+RUN = Run(1500.0)
 
 
 class Seen(NamedTuple):
@@ -65,7 +66,8 @@ def of_random() -> Iterator[Seen]:
 def below(search: Search, found: Thresholds) -> Seen:
     """Scan below the bars by the models that decided."""
     top = found.N_first - found.N_error
-    N = amplitudes((1 - REACH) * top, top, STEP)
+    low = (1 - REACH[found.ragged]) * found.N_first
+    N = amplitudes(np.where(low < top, low, np.nan), top, STEP)
     snapped = np.zeros(N.shape, bool)
     for level, models in enumerate(search.models.levels):
         for is_ragged, model in enumerate((models.decides, models.ragged)):

@@ -50,11 +50,11 @@ def compile_rate(device: Device, modal: ModalBeam):
     """
     mass, spring, penalty = device.mass, device.spring, contact_stiffness(device, modal.residual)
     stiffness, geometric, slope_start, load, midpoint, axial, residual, _ = modal
-    modes = load.size
+    modes, gap = load.size, device.gap
 
     @njit
     def press(x):
-        return penalty * max(0.0, midpoint @ x[:modes] - x[modes])
+        return penalty * max(0.0, midpoint @ x[:modes] - x[modes] - gap)
 
     @njit
     def w(x):
