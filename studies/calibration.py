@@ -19,7 +19,7 @@ from .common import ROOT, few
 from .tables import Table, write
 
 DURATIONS, C = [250.0, 500.0, 1000.0, 2000.0], 25.0
-SEED, CAMPAIGNS, SHOTS = 11, 25, 30
+SEED, CAMPAIGNS, SHOTS = 11, 100, 30
 SPREAD, LEVELS = 0.03, 0.25
 """Deviation of a threshold from shot to shot, and of levels from it at most; relative."""
 TRUE, RANGES = 2.0, {"thickness": (1.6, 2.6), "spring": (3.0, 8.0)}
