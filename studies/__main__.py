@@ -6,7 +6,7 @@ import sys
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
     *("convergence", "labels", "validation", "measured", "speed", "laws", "laws_speed"),
-    "impacts",
+    *("clamps", "limits", "islands", "calibration", "impacts"),
 )
 SLOW = ("coverage", "steps")
 """Studies that take more than ten minutes of a processor."""
