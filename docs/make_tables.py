@@ -16,7 +16,8 @@ sys.path.insert(0, str(ROOT))
 from studies import tables  # noqa: E402, as only the clone has the studies
 
 TABLES = ROOT / "docs" / "tables"
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "studies" / "impacts" / "README.md"]
+PAGES += sorted((ROOT / "docs").rglob("*.md"))
 BLOCK = re.compile(r"(?<=<!-- table: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 

@@ -5,7 +5,7 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "speed", "laws", "laws_speed", "impacts", "peers"),
+    *("convergence", "labels", "validation", "laws", "laws_speed", "impacts", "peers"),
 )
 SLOW = ("accuracy", "coverage", "steps")
 """Studies that take more than five minutes of a processor."""

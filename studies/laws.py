@@ -9,7 +9,6 @@ import numpy as np
 
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device, batch
-from snapmap.files.text import table
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import HANDOUT_PULSES, Rows
 from snapmap.solver.models import build_model
@@ -20,6 +19,7 @@ from snapmap.thresholds.slow import growth_rate, slow_factor
 
 from .common import few, number
 from .random_devices import even
+from .tables import Table, write
 
 SEED, DEVICES = 55, 100
 RATIOS = {0.02: 2e-3, 0.05: 1e-2, 0.1: 3e-2}
@@ -36,7 +36,7 @@ HEAD += ["error of N: median", "90 %", "largest", *(f"within {share:g}" for shar
 def main():
     draw = np.random.default_rng(SEED)
     devices = batch([draw_device(draw) for _ in range(few(DEVICES, 2))])
-    print(table(HEAD, (_row(devices, *ratio) for ratio in few(RATIOS).items())))
+    write("laws", Table("laws", HEAD, [_row(devices, *ratio) for ratio in few(RATIOS).items()]))
 
 
 def draw_device(draw: np.random.Generator) -> Device:

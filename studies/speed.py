@@ -1,9 +1,10 @@
-"""Cells per second by solver and number of threads, and times to start, for docs/accuracy.md.
+"""Cells per second by solver, and the time of a first threshold, for docs/accuracy.md.
 
 ./run python -m studies speed [--small]
 
 Workload A: 16 x 16 cells of the handout's device, N = 600 to 2400, f0 = 300 Hz to 20 kHz, each
-followed to its snap or to 1500 us after the pulse. Rounds run in turns, and the least time counts.
+followed to its snap or to 1500 us after the pulse. Rounds run in turns, and the least processor
+time counts.
 """
 
 import os
@@ -12,19 +13,20 @@ import sys
 from dataclasses import replace
 from functools import partial
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
 from snapmap.device.device import Device
-from snapmap.files.text import DASH, table
+from snapmap.files.text import DASH
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.options import Cosines, Elements, Reference
 from snapmap.solver.settings import Run
 
-from .common import ROOT, command_device, few, machine, number, rate, ratio, take_turns, versions
+from .common import ROOT, command_device, few, number, rate, ratio, take_turns
 from .scipy_solver import Follow, by_scipy
+from .tables import Table, write
 
 SETTINGS = Run(1500.0, until="snap", repeat=False)
 SIDE, FEWEST, DAMPING, ROUNDS = 16, 4, 0.025, 5
@@ -34,7 +36,6 @@ MODELS = {PLAIN: Reference(), HANDOUT: Elements()}
 MODELS |= {f"cosines, {n} modes": Cosines(modes=n) for n in (3, 5, 11)}
 FEW = slice(4, None, 29)
 """Nine cells for SciPy, spread over the map."""
-COUNTS = 1_000, 100_000, 1_000_000
 FIRST = """
 import sys, snapmap
 device = snapmap.load_device(sys.argv[1])
@@ -45,10 +46,8 @@ HEAD = ["", "cells", "cells/s", "to the plain loop", "same labels", "until settl
 
 def main() -> None:
     device = command_device()
-    print(f"{machine()}; {versions('numpy', 'numba', 'scipy')}; one thread.\n")
-    print(table(HEAD, by_everyone(device)))
-    print(table(["cells, 5 cosines", "cells/s, 1 thread", "2 threads", "gain"], by_threads(device)))
-    print(table(["first threshold in a new process", "s"], starts()))
+    of_starts = Table("speed_starts", ["first threshold in a new process", "s"], starts())
+    write("speed", Table("speed", HEAD, by_everyone(device)), of_starts)
 
 
 def map_cells(device: Device) -> Cells:
@@ -76,9 +75,9 @@ def by_everyone(device: Device) -> list[list[str]]:
         tasks[name] = partial(by_model(without_settling(model)), cells)
         tasks[name, "settled"] = partial(by_model(model), cells)
     take_turns(tasks, 1)  # compiles
-    runs = take_turns(tasks, few(ROUNDS))
+    runs = take_turns(tasks, few(ROUNDS), process_time)
     scipy = by_scipy(device, models[HANDOUT].modal, "DOP853")
-    runs |= take_turns({"SciPy DOP853": partial(scipy, cells.take(FEW))}, 1)
+    runs |= take_turns({"SciPy DOP853": partial(scipy, cells.take(FEW))}, 1, process_time)
     plain = runs[PLAIN].result
     each = runs[PLAIN].seconds / plain.size
     rows = []
@@ -102,33 +101,19 @@ def count_steps(model: Model, cells: Cells, t_snap: np.ndarray) -> float:
     return float(np.sum(np.where(np.isnan(t_snap), cells.t_end, t_snap) / dt))
 
 
-def by_threads(device: Device) -> list[list[str]]:
-    """Make rows for numbers of random cells, on one thread and on two."""
-    model, rows = build_model(device, Cosines(modes=5)), []
-    for count in few(COUNTS):
-        draw = np.random.default_rng(count)
-        N, f0 = draw.uniform(*N_RANGE, count), np.exp(draw.uniform(*np.log(F0_RANGE), count))
-        cells = to_cells(device, 0, N, f0, DAMPING, SETTINGS.horizon)
-        tasks = {n: partial(model.follow, cells, SETTINGS.but(threads=n)) for n in (1, 2)}
-        times = [run.seconds for run in take_turns(tasks, min(5, 10**6 // count)).values()]
-        rates = (rate(count, seconds) for seconds in times)
-        rows.append([number(count), *rates, ratio(times[0] / times[1])])
-    return rows
-
-
 def starts() -> list[list[str]]:
-    """Make rows of the time from a process's start to its first threshold, cold and compiled, s."""
+    """Make rows of the processor time to a first threshold, cold and compiled, s."""
     with TemporaryDirectory() as cache:
         return [[name, number(start(cache))] for name in ("nothing compiled", "compiled")]
 
 
 def start(cache: str) -> float:
-    """Time a new process that keeps its kernels in the folder `cache`, s."""
+    """Return the processor time of a new process that keeps its kernels in `cache`, s."""
     paths = {"PYTHONPATH": str(ROOT / "workflow" / "scripts"), "NUMBA_CACHE_DIR": cache}
     command = [sys.executable, "-c", FIRST, str(ROOT / "config" / "config.yaml")]
-    begin = perf_counter()
+    begin = sum(os.times()[2:4])
     subprocess.run(command, env=os.environ | paths, check=True, stdout=subprocess.DEVNULL)
-    return perf_counter() - begin
+    return sum(os.times()[2:4]) - begin
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"
 SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
 """Standard deviations, um or shares; half the width of a uniform distribution."""
 F0, C = [500.0, 1500.0, 15000.0], [25.0]
-THREADS = 2
 
 
 def main():
@@ -22,8 +21,7 @@ def main():
 
 def sampled(device, **options):
     """Find the thresholds of samples of the device, without the axis C."""
-    study = Study(device, run={"threads": THREADS})
-    return tolerance(study, SCATTERS, few(F0), C, **options).squeeze("C")
+    return tolerance(Study(device), SCATTERS, few(F0), C, **options).squeeze("C")
 
 
 def indices(device):

@@ -1,4 +1,4 @@
-"""Print the first part of docs/validation.md: closed forms, published values, another solver.
+"""The tables of docs/validation.md: closed forms, published values, another solver.
 
 ./run python -m studies validation
 """
@@ -15,7 +15,6 @@ from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
 from snapmap.beam.modal import buckling, contact_stiffness
-from snapmap.files.text import table
 from snapmap.numerics.linalg import apply, eigh
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
@@ -25,68 +24,13 @@ from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
+from .tables import Table, write
 
 HEAD = ["what", "reference", "ours", "difference"]
-STEPS = "default steps", "small steps"
 LARGE_Q = 300.0
 F0, C = 1500.0, 25.0
 TOLERANCE = 1e-9
 """Relative tolerance of the other integrator."""
-TEXT = """\
-# Validation
-
-With this page you can judge whether snapmap solves its equations, and what these equations leave
-out. Differences are relative. This command prints the part before [Other codes](#other-codes):
-
-    ./run python -m studies validation
-
-**No measured device has been compared.** A comparison needs
-
-- dimensions as made, and the beam's first frequency before assembly;
-- mass, spring, gap, gas pressure;
-- the acceleration at the die, and how many shocks of each level snap the device.
-
-## Statics of the curved beam
-
-Forces on the midpoint are in $EI\\delta/L^3$, displacements in $\\delta$. The first three values
-are those of Qiu, Lang and Slocum (J. Microelectromech. Syst. 13, 2004, 137) for large
-$Q=\\delta/t$, as others quote them. The [closed
-forms](theory.md#snap-the-second-equilibrium-and-the-saddle) give 758.75 and -384.44. On the
-straight paths $F=\\tfrac{{\\pi^2}}2\\mu^2-(\\tfrac{{\\pi^2}}2\\mu^2-2\\pi^4)\\Delta$ of force
-over displacement, the axial force stays at a buckling load $\\mu^2EI/L^2$: $\\mu=4\\pi$
-(symmetric) or 8.9868 (antisymmetric).
-
-{statics}
-
-## Buckling and frequencies
-
-Exact buckling loads have $\\mu=2\\pi$, $4\\pi$ and $\\tan\\mu/2=\\mu/2$. Exact frequencies
-$\\omega$ under the tension $T$ are roots of $2pq(1-\\cos p\\cosh q)+(q^2-p^2)\\sin p\\sinh q=0$
-with $p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$. Units are $EI/L^2$ and $\\sqrt{{EI/\\rho
-AL^4}}$; ours are of 12 elements or 12 shapes.
-
-{spectra}
-
-## Residual stress and tilt
-
-References are closed forms for the handout's device, and 20 cosines beside our 20 elements.
-
-{made}
-
-## The mass alone, and elastic impacts
-
-A mass that never closes its gap is an oscillator; shock spectra have its largest response, over
-the slow one. Elastic impacts lose no energy.
-
-{mass}
-
-## Thresholds against another integrator
-
-SciPy's DOP853, at a relative tolerance of {tolerance:g}, follows the same equations of 3 cosines
-at f0 = {f0:g} Hz, C = {C:g} uN us/um. Small steps are a twentieth of the limit.
-
-{thresholds}
-"""
 
 
 def main():
@@ -97,9 +41,9 @@ def main():
         "made": stressed(device),
         "mass": mass(device),
     }
-    tables = {name: table(HEAD, rows) for name, rows in sections.items()}
-    tables["thresholds"] = table(["device", "DOP853", *STEPS], thresholds(device))
-    print(TEXT.format(**tables, tolerance=TOLERANCE, f0=F0, C=C), end="")
+    tables = [Table(f"validation_{name}", HEAD, [*rows]) for name, rows in sections.items()]
+    exact = ["device", "DOP853", "default steps", "small steps"]
+    write("validation", *tables, Table("validation_solver", exact, [*thresholds(device)]))
 
 
 def row(what, reference, value, digits=6):

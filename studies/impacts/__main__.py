@@ -1,6 +1,6 @@
-"""Print README.md: ensembles of small systems with impacts, by every solver that can follow them.
+"""The tables of README.md: ensembles of small systems with impacts, by several solvers.
 
-./run python -m studies impacts [--small] > studies/impacts/README.md
+./run python -m studies impacts [--small]
 """
 
 import warnings
@@ -13,13 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap.files.text import DASH, table
+from snapmap.files.text import DASH
 
-from ..common import command_device, few, machine, rate, take_turns, versions
-from ..speed import FEWEST, SIDE
+from ..common import command_device, few, rate, take_turns
+from ..tables import Table, write
 from . import snap_map as snaps
 from . import solvers
-from .page import TEXT
 from .problems import BALL, RIGID, make_ball, make_bilinear, make_oscillator, make_valve
 
 ROUNDS = 3
@@ -60,11 +59,9 @@ def main():
         checks += answers(problem)
     the_map = snaps.make_map(device)
     rows += measure(the_map, map_contenders())
-    facts = {"machine": machine(), "versions": versions("numpy", "numba", "scipy")}
-    cells, snap = the_map.exact.size, int(the_map.exact.sum())
-    counts = {"cells": cells, "snap": snap, "contested": few(SIDE, FEWEST) ** 2 - cells}
-    tables = {"table": table(HEAD, rows), "answers": table(CHECKS, checks)}
-    print(TEXT.format(**facts, **counts, **tables, fine=snaps.FINE, rounds=few(ROUNDS)), end="")
+    of_map = f"{the_map.exact.size} cells", DASH, f"{the_map.exact.sum():.0f} snap"
+    checks.append(["snap or no snap", *of_map])
+    write("impacts", Table("impacts", HEAD, rows), Table("impacts_answers", CHECKS, checks))
 
 
 def ensembles():
