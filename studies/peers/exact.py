@@ -1,4 +1,4 @@
-"""The judge: Runge and Kutta's fourth order in short steps, which end where the contact switches."""
+"""The judge: Runge and Kutta's fourth order in short steps that end where the contact switches."""
 
 import numpy as np
 from numba import njit

@@ -17,6 +17,7 @@ from ..tables import Table
 from .contenders import NO_PROOFS, OURS, Contender, missing
 from .equations import Follow
 from .scene import COSINES, HORIZON, TOLERANCE, Scene, lowest_snap
+from .starts import starts
 
 ROUNDS = 5
 """Rounds of which the least time counts."""
@@ -93,6 +94,7 @@ def alone_table(measured: list[Measured], scenes: dict[str, Scene]) -> Table:
         words = each(process_time() - start, runs.sum(), N.size)
         errors = error_words(np.abs(N / scene.N - 1))
         rows.append([*contender[:2], contender.equations, *words, *errors, DASH])
+    rows += starts()
     return Table("peers_threshold", ALONE_HEAD, rows)
 
 

@@ -11,7 +11,7 @@ from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.options import Cosines, Elements
 
-from ..common import few, is_small, threshold_near
+from ..common import few, threshold_near
 from .equations import Equations, Follow, equations_of
 from .exact import by_short_steps
 
@@ -22,17 +22,18 @@ ROWS, DAMPINGS = np.geomspace(500.0, 8000.0, 7), (25.0, 200.0)
 """f0, Hz, and C, uN us/um, of the rows; the map has both C in turns."""
 COSINES, ELEMENTS = "3 cosines", "5 elements"
 MODELS = {COSINES: Cosines(modes=3), ELEMENTS: Elements()}
-NEAR, RESOLVED, STEP = 1.01, 1e-6, 0.02 if is_small() else 0.008
-"""Factor on the exact threshold within which others are sought; relative tolerance; steps of the
-judge, us."""
+NEAR, RESOLVED, STEP = 1.01, 1e-6, 0.016
+"""Factor within which thresholds are sought; their relative tolerance; steps of the judge, us."""
 LOWEST, HIGHEST, SCAN, TOLERANCE = 600.0, 1e4, 1.03, 1e-4
 """A single threshold is scanned between these N, by this factor, and refined to this width."""
 
 
 class Scene(NamedTuple):
-    """One model's map, and its rows f0 (Hz) and C (uN us/um) with thresholds N, each (rows,).
+    """One model's map, and its rows f0 (Hz) and C (uN us/um), each (rows,).
 
-    error: of N, relative: the change from steps twice as long
+    about: N within a factor NEAR of which thresholds are sought, (rows,); as all start there, a row
+        of several edges gives everyone the same one
+    N: exact thresholds, (rows,); error: relative, the change from steps twice as long
     """
 
     device: Device
@@ -41,13 +42,14 @@ class Scene(NamedTuple):
     map: Cells
     f0: np.ndarray
     C: np.ndarray
+    about: np.ndarray
     N: np.ndarray
     error: float = 0.0
 
     def take(self, which: slice) -> "Scene":
         """Return the scene with some of its rows."""
-        rows = (column[which] for column in (self.f0, self.C, self.N))
-        return self._replace(**dict(zip(("f0", "C", "N"), rows, strict=True)))
+        rows = {name: getattr(self, name)[which] for name in ("f0", "C", "about", "N")}
+        return self._replace(**rows)
 
     def asked(self, follow: Follow) -> Callable:
         """Make a function of N, (rows, n), that returns t_snap; NaN where N is NaN."""
@@ -63,23 +65,25 @@ class Scene(NamedTuple):
 
     def errors(self, follow: Follow) -> np.ndarray:
         """Return relative errors of the thresholds, (rows,); NaN without one within NEAR."""
-        N = threshold_near(self.asked(follow), self.N, NEAR, RESOLVED)
+        N = threshold_near(self.asked(follow), self.about, NEAR, RESOLVED)
         return np.abs(N / self.N - 1)
 
 
-def make_scene(device: Device, name: str) -> Scene:
-    """Make the scene of the equations of MODELS."""
+def make_scene(device: Device, name: str, f0_of_rows: np.ndarray) -> Scene:
+    """Make the scene of the equations of MODELS, with rows at these f0, Hz, and both DAMPINGS."""
     side = few(SIDE, 3)
     N, f0 = np.meshgrid(np.linspace(*N_RANGE, side), np.geomspace(*F0_RANGE, side))
     cells = to_cells(device, 0, N, f0, np.resize(DAMPINGS, N.shape), HORIZON).flat()
     study = Study(device, Cosines(modes=3), run={"horizon": HORIZON})
-    first = threshold(study, few(ROWS), few(DAMPINGS)).N_first.stack(row=("C", "f0"))
+    first = threshold(study, f0_of_rows, DAMPINGS).N_first.stack(row=("C", "f0"))
     model = build_model(device, MODELS[name])
-    columns = first.f0.values, first.C.values, first.values
-    scene = Scene(device, model, equations_of(model), cells, *columns)
-    judges = (by_short_steps(scene.equations, dt) for dt in (2 * STEP, STEP))
+    rows = first.f0.values, first.C.values, first.values, first.values
+    scene = Scene(device, model, equations_of(model), cells, *rows)
     coarse, fine = (
-        threshold_near(scene.asked(judge), scene.N, NEAR, RESOLVED / 10) for judge in judges
+        threshold_near(
+            scene.asked(by_short_steps(scene.equations, dt)), scene.about, NEAR, RESOLVED
+        )
+        for dt in (2 * STEP, STEP)
     )
     return scene._replace(N=fine, error=float(np.abs(coarse / fine - 1).max()))
 
