@@ -3,10 +3,9 @@
 ./run python docs/make_pictures.py build/tutorial/results/figures
 
 The figures are those of a run of config/sensor.yaml, in few colours.  Speeds and errors are those
-of fast pulses in the table of docs/accuracy.md.
+of fast pulses in docs/tables/accuracy_default.csv.
 """
 
-import re
 import sys
 from pathlib import Path
 
@@ -21,16 +20,16 @@ from snapmap.solver.laws import load_laws
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-from studies.tables import reduce_colours  # noqa: E402, as only the clone has the studies
+from studies.tables import read, reduce_colours  # noqa: E402, as only the clone has the studies
 
 PICTURES = ROOT / "docs" / "pictures"
 GALLERY = "snap_maps", "thresholds", "requirements", "probability"
 C = 25.0
 SHOWN = {
-    "`auto`": ("snapmap", "C5"),
-    "5 elements, the handout's": ("snapmap, the handout's elements", "C5"),
+    "auto": ("snapmap", "C5"),
+    "5 elements": ("snapmap, the handout's elements", "C5"),
     "plain loop, 5 elements": ("the handout's plain loop", "0.4"),
-    "SciPy DOP853, 1e-6": ("SciPy's DOP853", "0.4"),
+    "SciPy DOP853": ("SciPy's DOP853", "0.4"),
 }
 """Rows of the table, their words and colours."""
 LAWS = {
@@ -85,11 +84,10 @@ def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
 
 def draw_speeds(ax: Axes) -> None:
     """Draw a point with its name for each row of the table: median error, and up to 90 %."""
-    text = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
+    (_, *rows), _ = read(ROOT / "docs" / "tables" / "accuracy_default.csv")
     for row, (words, colour) in SHOWN.items():
-        *_, errors, speed = re.search(rf"^\| {re.escape(row)} \|(.*)\|$", text, re.M)[1].split("|")
-        median, most = (float(error) for error in errors.strip(" %").split("/"))
-        speed = float(speed.replace(" ", ""))
+        (numbers,) = (numbers for name, *numbers in rows if name == row)
+        median, most, speed = map(float, numbers[-3:])
         ax.plot(median, speed, "o", color=colour)
         ax.hlines(speed, median, most, color=colour)
         note = {"xytext": (0, -12), "textcoords": "offset points", "ha": "center"}

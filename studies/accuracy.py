@@ -184,7 +184,7 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
 
     many, fewer = (5, 3) if is_small() else (REFERENCE, COARSER)
     finest = refer(many, FINE)
-    of_modes = abs(finest / refer(fewer, FINE) - 1) / ((many / fewer) ** 4 - 1)
+    of_modes = abs(finest / refer(fewer, FINE) - 1) / ((many / fewer) ** 3 - 1)
     of_steps = abs(finest / refer(many, 2 * FINE) - 1) / 3
     error = of_modes + of_steps + RESOLVED
     posed = error < (np.inf if is_small() else AGREED)

@@ -2,8 +2,8 @@
 
 ./run python -m studies convergence [--small]
 
-Each threshold is compared with that of the finest of its family: of the steps, of the numbers of
-elements, of the numbers of cosines. Also draws the picture of the page.
+Thresholds in several steps are compared with that in the finest step, those of elements and of
+cosines with that of many cosines. Also draws the picture of the page.
 """
 
 from collections.abc import Sequence
@@ -27,31 +27,32 @@ from .tables import Table, save_picture, write
 ROWS = {"clean": (1500.0, 25.0), "ragged": (5800.0, 0.025)}
 """Rows of the handout's device: f0, Hz, and C, uN us/um."""
 FINE = 0.125
-"""Step of the families of elements and cosines, over the default one."""
+BEST = Cosines(modes=31), FINE
+"""Model and step, over the default one, with which elements and cosines are compared."""
+STEP = "step, over the default"
 FAMILIES = {
-    "step, over the default": {2.0**k: (Cosines(modes=5), 2.0**k) for k in range(2, -6, -1)},
+    STEP: {2.0**k: (Cosines(modes=5), 2.0**k) for k in range(2, -6, -1)},
     "elements": {n: (Elements(elements=n), FINE) for n in (2, 3, 4, 5, 6, 7, 9, 11)},
-    "cosines": {n: (Cosines(modes=n), FINE) for n in (1, 3, 5, 7, 9, 11, 13, 17, 21)},
+    "cosines": {n: (Cosines(modes=n), FINE) for n in (3, 5, 7, 9, 11, 13, 17, 21)},
 }
-"""Models and steps over the default ones, by what refines them, the finest last."""
-ORDERS = {"step, over the default": 2, "elements": -4, "cosines": -4}
+"""Models and their steps over the default ones, by what refines them."""
+REFERENCES = {STEP: (Cosines(modes=5), 2.0**-6), "elements": BEST, "cosines": BEST}
+ORDERS = {STEP: 2, "elements": -4, "cosines": -3}
 NEAR, SCAN, TOLERANCE = 0.12, 5e-4, 1e-9
 """Relative distance from a first threshold within which all are sought, in which steps, how
 closely."""
+HALVED = Cosines(modes=11), 0.5
 SOURCES = {
-    "contact of 40 N/m": ({"contact": 40.0}, Cosines(modes=11), 0.5),
-    "contact of 4000 N/m": ({"contact": 4000.0}, Cosines(modes=11), 0.5),
-    "5 elements": ({}, Elements(), 0.5),
-    "10 elements": ({}, Elements(elements=10), 0.5),
-    "3 cosines": ({}, Cosines(modes=3), 0.5),
-    "5 cosines": ({}, Cosines(modes=5), 0.5),
-    "11 cosines": ({}, Cosines(modes=11), 0.5),
-    "11 cosines, default steps": ({}, Cosines(modes=11), 1.0),
+    "contact of 40 N/m": ({"contact": 40.0}, HALVED),
+    "contact of 4000 N/m": ({"contact": 4000.0}, HALVED),
+    "5 elements": ({}, (Elements(), 0.5)),
+    "10 elements": ({}, (Elements(elements=10), 0.5)),
+    "3 cosines": ({}, (Cosines(modes=3), 0.5)),
+    "5 cosines": ({}, (Cosines(modes=5), 0.5)),
+    "11 cosines": ({}, HALVED),
+    "11 cosines, default steps": ({}, (Cosines(modes=11), 1.0)),
 }
-"""Changes of the device, models and steps, whose thresholds are compared."""
-HARD = ({"contact": np.inf}, Cosines(modes=11), 0.5)
-BEST = ({}, Cosines(modes=21), FINE)
-"""With what contacts, and with what models are compared."""
+"""Changes of the device, and models with their steps, whose thresholds are compared."""
 F0, C = (458.0, 1732.0, 6555.0), (25.0, 200.0)
 HEAD = ["row", "family", "value", "N", "error"]
 
@@ -59,7 +60,7 @@ HEAD = ["row", "family", "value", "N", "error"]
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
     errors = {
-        (name, family): errors_of(device, row, few(models, 3))
+        (name, family): errors_of(device, row, few(models, 3), REFERENCES[family])
         for name, row in few(ROWS, 2).items()
         for family, models in few(FAMILIES, 1).items()
     }
@@ -79,20 +80,20 @@ def main():
     write("convergence", Table("convergence", HEAD, rows), sources)
 
 
-def errors_of(device: Device, row: tuple, models: dict) -> list[tuple[float, float, float]]:
+def errors_of(device: Device, row: tuple, models: dict, reference: tuple) -> list[tuple]:
     """Find value, threshold, and its relative error of each model of a family, in a row."""
     about = threshold(device, [row[0]], [row[1]]).N_first.item()
-    found = [seek(device, [row], *chosen, about).item() for chosen in models.values()]
-    return [(key, N, abs(N / found[-1] - 1)) for key, N in zip(models, found, strict=True)]
+    *found, best = (seek(device, [row], run, about).item() for run in (*models.values(), reference))
+    return [(key, N, abs(N / best - 1)) for key, N in zip(models, found, strict=True)]
 
 
-def seek(device: Device, rows: Sequence[tuple], chosen, step: float, about) -> np.ndarray:
+def seek(device: Device, rows: Sequence[tuple], run: tuple, about: np.ndarray) -> np.ndarray:
     """Find the lowest N that snaps near others, (rows,).
 
-    step: over the default one; about: where to seek, (rows,) or one number
+    run: model, and its step over the default one; about: where to seek, (rows,) or one number
     """
     f0, damping = np.transpose(rows)
-    model = build_model(device, chosen).with_step(step)
+    model = build_model(device, run[0]).with_step(run[1])
     probe = Probe(model, to_rows(0, f0, damping), Run())
     return lowest_snap(probe, (about * (1 - NEAR), about * (1 + NEAR)), TOLERANCE, SCAN)
 
@@ -102,10 +103,10 @@ def sources_of(device: Device):
     rows = [(f0, damping) for damping in few(C) for f0 in few(F0)]
     about = threshold(device, few(F0), few(C)).N_first.values.ravel()
 
-    def find(change, chosen, step):
-        return seek(replace(device, **change), rows, chosen, step, about)
+    def find(change, run):
+        return seek(replace(device, **change), rows, run, about)
 
-    hard, best = find(*HARD), find(*BEST)
+    hard, best = find({"contact": np.inf}, HALVED), find({}, BEST)
     for name, source in few(SOURCES, 3).items():
         off = 100 * abs(find(*source) / (hard if "contact" in name else best) - 1)
         yield [name, number(off.min()), number(off.max())]
@@ -114,7 +115,7 @@ def sources_of(device: Device):
 def draw(ax: Axes, family: str, points: dict) -> None:
     """Draw the errors of both rows over what refines them, and a line of the order."""
     for (name, of_row), marker in zip(points.items(), "os", strict=True):
-        value, _, error = np.reshape(of_row[:-1], (-1, 3)).T
+        value, _, error = np.reshape(of_row, (-1, 3)).T
         ax.plot(value, error, marker=marker, label=f"{name} row")
         if name == "clean" and value.size:
             order = ORDERS[family]

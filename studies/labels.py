@@ -62,7 +62,8 @@ def row(device, rows, name):
         wrong = np.isfinite(cube.t_snap.values.ravel()) != (AROUND > 0)
         reach.append(100 * np.max(abs(AROUND), where=wrong, initial=0.0))
     distance = 100 * cube.t_snap.attrs["label_distance"]
-    return [name, f"{distance:g}", str(len(reach)), number(np.median(reach)), number(max(reach))]
+    counts = f"{distance:g}", len(reach), np.sum(np.array(reach) > distance)
+    return [name, *map(str, counts), *map(number, np.quantile(reach, [0.5, 0.9, 1.0]))]
 
 
 if __name__ == "__main__":
