@@ -44,11 +44,11 @@ def rate_of(equations: Equations):
     import jax.numpy as jnp
 
     stiffness, slope_start, load, midpoint, geometric = map(jnp.asarray, equations[:5])
-    axial, residual, penalty, mass, spring, target = equations[5:]
+    axial, residual, penalty, gap, mass, spring, target = equations[5:]
     k = equations.modes
 
     def press(x):
-        return penalty * jnp.maximum(0.0, midpoint @ x[:k] - x[k])
+        return penalty * jnp.maximum(0.0, midpoint @ x[:k] - x[k] - gap)
 
     def height(x):
         return midpoint @ x[:k] - residual * press(x) - target

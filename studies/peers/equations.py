@@ -14,11 +14,11 @@ Follow = Callable[[Cells], np.ndarray]
 
 
 class Equations(NamedTuple):
-    """The equations of a device at rest in its first shape, without gap, stops and beam damping.
+    """The equations of a device at rest in its first shape, without stops and beam damping.
 
     With k modes p and the displacement y of the mass, both from rest, in internal units:
 
-        P = penalty <midpoint.p - y>+,  s = geometric p + slope_start
+        P = penalty <midpoint.p - y - gap>+,  s = geometric p + slope_start
         p'' = -axial p.(s + slope_start) s - stiffness p - load a - midpoint P
         y'' = (P - spring y - C y')/mass - a,  a = N g (1 - cos 2 pi f0 t)/2 until 1/f0
         w(L/2) = midpoint.p - residual P; the beam snaps when this falls to target
@@ -34,6 +34,7 @@ class Equations(NamedTuple):
     axial: float
     residual: float
     penalty: float
+    gap: float
     mass: float
     spring: float
     target: float
@@ -49,7 +50,7 @@ def equations_of(model: Model) -> Equations:
     modal, device = model.modal, model.device
     arrays = (np.ascontiguousarray(getattr(modal, name)) for name in Equations._fields[:5])
     penalty = contact_stiffness(device, modal.residual)
-    numbers = modal.axial, modal.residual, penalty, device.mass, device.spring
+    numbers = modal.axial, modal.residual, penalty, device.gap, device.mass, device.spring
     return Equations(*arrays, *map(float, (*numbers, model.snap_target("first"))))
 
 

@@ -30,7 +30,8 @@ def follow(equations, dt, shock, t_end):
     x = np.zeros(2 * equations.load.size + 2)
     new, slope, middle = np.empty_like(x), np.zeros_like(x), np.empty_like(x)
     work, t, pulse_end = (new, slope, middle), 0.0, 1 / shock[1]
-    closed = equations.midpoint @ equations.load < 1.0  # the mass begins faster than the beam
+    # Without a gap the contact is closed at first if the mass is faster than the beam.
+    closed = equations.gap == 0.0 and equations.midpoint @ equations.load < 1.0
     while t < t_end:
         end = min(t + dt, pulse_end if t < pulse_end else t_end)
         advance(equations, shock, closed, t, x, end - t, work)
@@ -90,11 +91,11 @@ def set_slope(equations, shock, closed, t, x, slope):
 
 @njit
 def overlap(equations, x):
-    """Return midpoint.p - y, um."""
+    """Return midpoint.p - y - gap, um."""
     k, over = equations.load.size, 0.0
     for i in range(k):
         over += equations.midpoint[i] * x[i]
-    return over - x[k]
+    return over - x[k] - equations.gap
 
 
 @njit
@@ -102,4 +103,4 @@ def height(equations, x):
     """Return w(L/2) above the target of the snap, um."""
     over = overlap(equations, x)
     pressed = equations.residual * equations.penalty * max(0.0, over)
-    return over + x[equations.load.size] - pressed - equations.target
+    return over + x[equations.load.size] + equations.gap - pressed - equations.target

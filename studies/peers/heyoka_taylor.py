@@ -56,14 +56,15 @@ def system(equations: Equations):
     s = [heyoka.sum([equations.geometric[i, j] * p[j] for j in k]) + start[i] for i in k]
     axial_force = -equations.axial * heyoka.sum([p[i] * (s[i] + start[i]) for i in k])
     w_beam = heyoka.sum([equations.midpoint[i] * p[i] for i in k])
-    P = penalty * (w_beam - y)
+    over = w_beam - y - equations.gap
+    P = penalty * over
     rates = [(p[i], v[i]) for i in k]
     for i in k:
         force = axial_force * s[i] - equations.stiffness[i] * p[i] - equations.load[i] * a
         rates.append((v[i], force - equations.midpoint[i] * P))
     pull = (P - equations.spring * y - damping * y_rate) / equations.mass
     rates += [(y, y_rate), (y_rate, pull - a)]
-    return rates, w_beam - y, w_beam - equations.residual * P - equations.target
+    return rates, over, w_beam - equations.residual * P - equations.target
 
 
 def follow(integrator, equations: Equations, columns) -> np.ndarray:

@@ -15,7 +15,7 @@ def by_numba(equations: Equations, dt: float) -> Follow:
 def follow_all(equations, dt, amplitude, f0, damping, t_end):
     """Follow cells, (n,), one by one."""
     stiffness, slope_start, load, midpoint, geometric = equations[:5]
-    axial, residual, penalty, mass, spring, target = equations[5:]
+    axial, residual, penalty, gap, mass, spring, target = equations[5:]
     k, t_snap = load.size, np.full(f0.size, np.nan)
     for cell in range(f0.size):
         p, p_before, s, y, y_before, w = np.zeros(k), np.zeros(k), np.zeros(k), 0.0, 0.0, 0.0
@@ -31,7 +31,7 @@ def follow_all(equations, dt, amplitude, f0, damping, t_end):
                 s[i] = bent + slope_start[i]
                 stretch += p[i] * (s[i] + slope_start[i])
                 w_beam += midpoint[i] * p[i]
-            P = penalty * max(0.0, w_beam - y)
+            P = penalty * max(0.0, w_beam - y - gap)
             w_before, w = w, w_beam - residual * P
             if w <= target:
                 t_snap[cell] = (step - 1 + (w_before - target) / (w_before - w)) * dt

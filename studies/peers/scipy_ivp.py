@@ -35,12 +35,12 @@ def compile_rate(equations: Equations):
     Returns rate(t, x, amplitude, f0, damping), and w(x).
     """
     stiffness, slope_start, load, midpoint, geometric = equations[:5]
-    axial, residual, penalty, mass, spring, _ = equations[5:]
+    axial, residual, penalty, gap, mass, spring, _ = equations[5:]
     k = equations.modes
 
     @njit
     def press(x):
-        return penalty * max(0.0, midpoint @ x[:k] - x[k])
+        return penalty * max(0.0, midpoint @ x[:k] - x[k] - gap)
 
     @njit
     def w(x):
