@@ -197,10 +197,10 @@ def thresholds(device):
 def shallow(device):
     """Yield rows of forces of the exact beam, in EI delta/L^3, and of how far ours are above, in %.
 
-    The static threshold moves the mass to the largest force, against beam and spring; the spring
-    is as stiff beside each beam as the handout's.
+    The static threshold presses the mass to the largest force, against beam and spring; contact and
+    spring are as stiff beside each beam as the handout's.
     """
-    spring = device.spring / device.beam.stiffness_unit
+    spring, soft = device.spring / device.beam.stiffness_unit, device.spring / device.contact
     for scale in few(SCALES):
         beam = device.beam
         beam = replace(beam, rise=beam.rise * scale, thickness=beam.thickness * scale)
@@ -209,7 +209,7 @@ def shallow(device):
         ours = [(place[at], force[at]) for at in (force.argmax(), force.argmin())]
         exact = [(at, each / unit) for at, each in corners(beam)]
         pairs = [(each[1], own[1]) for each, own in zip(exact, ours, strict=True)]
-        pairs.append(tuple(top + spring * at for at, top in (exact[0], ours[0])))
+        pairs.append(tuple(top * (1 + soft) + spring * at for at, top in (exact[0], ours[0])))
         cells = [(f"{F:.5g}", f"{100 * (own / F - 1):.2f}") for F, own in pairs]
         yield [f"1/{beam.span / beam.rise:.0f}", *(cell for pair in cells for cell in pair)]
 
