@@ -103,7 +103,7 @@ def draw_speeds(ax: Axes) -> None:
     ax.set(ylabel="simulated shocks per second, one thread", title="Speed against error")
     for axis, ends in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
         scales.tick(axis, *ends)
-    ax.text(0.97, 0.04, "better: up and to the left", transform=ax.transAxes, color="0.4", ha="right")
+    ax.text(0.97, 0.04, "better: up and to the left", transform=ax.transAxes, ha="right")
 
 
 if __name__ == "__main__":
