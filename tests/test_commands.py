@@ -12,7 +12,6 @@ from studies.__main__ import NAMES
 
 LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
 SPAN = re.compile(r"`(\./run [^`]+)`")
-STUDY = re.compile(r"python -m studies ([a-z_]+)")
 
 ELSEWHERE = {
     "test_every_figure_is_there": [
@@ -91,10 +90,6 @@ def test_every_command_is_run_by_a_test(root, documents):
     assert others == {command for commands in ELSEWHERE.values() for command in commands}
     tests = "".join(path.read_text(encoding="utf-8") for path in (root / "tests").rglob("*.py"))
     assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)
-
-
-def test_the_documents_name_every_study(documents):
-    assert set(STUDY.findall(documents)) == {*NAMES}
 
 
 @pytest.mark.parametrize(
