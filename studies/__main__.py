@@ -5,7 +5,7 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("convergence", "labels", "validation", "measured", "speed", "laws", "laws_speed"),
+    *("convergence", "labels", "validation", "measured", "laws", "laws_speed", "peers"),
     *("clamps", "limits", "islands", "calibration", "impacts"),
 )
 SLOW = ("coverage", "steps")

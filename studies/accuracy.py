@@ -1,8 +1,8 @@
-"""Speed against error as a work-precision diagram, for docs/accuracy.md and the README's figure.
+"""Speed against error as a work-precision diagram, for docs/accuracy.md.
 
 ./run python -m studies accuracy [--device SECTION] [--small]
 
-Also draws results/figures/accuracy.pdf and .png. The comparison includes SciPy.
+Also draws results/figures/accuracy.pdf and .png. The study `peers` has other solvers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,7 @@ from .common import (
     results,
     threshold_near,
 )
-from .scipy_solver import TOLERANCE, Follow, by_scipy
+from .peers.equations import Follow
 from .tables import Table, write
 
 SPEEDS = {"slow": (0.02, 0.1), "fast": (0.5, 6.0)}
@@ -58,14 +58,12 @@ AGREED, RESOLVED, NEAR = 1e-4, 1e-3 if is_small() else 1e-7, 1.04
 within which they are searched."""
 MAP = np.linspace(0.6, 1.8, 33)
 """Amplitudes of the timed cells, over the threshold; slow solvers get every fourth."""
-STRIDE, FEWER = 6, 30
-"""Strides through the posed rows for the plain loop and for SciPy. SciPy skips slow pulses, as a
-cell takes it half a minute there, against seconds for a fast pulse."""
+STRIDE = 6
+"""Stride through the posed rows for the plain loop."""
 ROUNDS, ERRORS = 3, ("median", "90 %", "largest")
 SETTINGS = Run(repeat=False).but(until="edge")
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
 LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
-LOOKS |= {"SciPy DOP853": ("0.4", "X")}
 
 
 class Posed(NamedTuple):
@@ -92,7 +90,6 @@ class Entry(NamedTuple):
     edge: Follow
     timed: Follow
     stride: int = 1
-    speeds: tuple[str, ...] = tuple(SPEEDS)
 
 
 def main() -> None:
@@ -111,8 +108,6 @@ def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[d
     """Yield a point for each entry: the spread of its error over the posed rows, and its speed."""
     posed = find_posed(device, few(np.geomspace(*ends, F0_COUNT)[::-1], 1), few(DAMPINGS))
     for entry in entries(device):
-        if speed not in entry.speeds:
-            continue
         rows, is_slow = posed.every(entry.stride), entry.stride > 1
         error = abs(edge(device, entry.edge, rows) / rows.N - 1)
         N = rows.N[:, np.newaxis] * few(MAP[:: 4 if is_slow else 1], 5)
@@ -135,7 +130,7 @@ def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[d
 
 
 def entries(device: Device) -> Iterator[Entry]:
-    """Yield our models at each step, then the solvers that users would take instead."""
+    """Yield our models at each step, then the handout's plain loop."""
     ladder = few(FACTORS, 2)
     for factor in ladder:
         levels = build_adaptive(device).with_step(factor)
@@ -146,19 +141,11 @@ def entries(device: Device) -> Iterator[Entry]:
             yield Entry(name, f"{factor:g}", follow, follow)
     plain = by_model(build_model(device, Reference()))
     yield Entry(PLAIN, "0.8 of its limit", plain, plain, STRIDE)
-    modal = build_model(device, Elements()).modal
-    follow = flattened(by_scipy(device, modal, "DOP853"))
-    yield Entry("SciPy DOP853", f"{TOLERANCE:g}", follow, follow, FEWER, ("fast",))
 
 
 def by_model(model: Model) -> Follow:
     """Follow cells as thresholds do."""
     return lambda cells: model.follow(cells, SETTINGS).t_snap
-
-
-def flattened(follow: Follow) -> Follow:
-    """Make a function of cells (n,) one of cells of any shape."""
-    return lambda cells: follow(cells.flat()).reshape(cells.f0.shape)
 
 
 def cells_of(device: Device, rows: Posed, N: np.ndarray) -> Cells:

@@ -24,7 +24,8 @@ from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
 from .elastica import corners
-from .scipy_solver import compile_rate
+from .peers.equations import equations_of
+from .peers.scipy_ivp import compile_rate
 from .tables import Table, write
 
 HEAD = ["what", "reference", "ours", "difference"]
@@ -221,7 +222,7 @@ def _threshold(model):
 def _short_of_snap(model, N):
     """Least distance of the midpoint from the snap during the pulse, um, by SciPy."""
     device, f0 = model.device, F0 * 1e-6
-    (rate, w), rest = compile_rate(device, model.modal), np.zeros(2 * model.modal.load.size + 2)
+    (rate, w), rest = compile_rate(equations_of(model)), np.zeros(2 * model.modal.load.size + 2)
     how = {"rtol": TOLERANCE, "atol": 1e-10, "max_step": 0.5, "dense_output": True}
     shock = (N * device.gravity, f0, C)
     run = solve_ivp(rate, (0, 1 / f0), rest, "DOP853", args=shock, **how)

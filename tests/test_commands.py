@@ -49,6 +49,7 @@ ELSEWHERE = {
     "test_run_installs_from_nothing": ["snakemake --version"],
     "test_each_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
+        "uv pip install --require-hashes --requirements locks/requirements-peers.lock",
         "uv pip install --require-hashes --requirements locks/requirements-slurm.lock",
     ],
     "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
