@@ -10,7 +10,7 @@ from snapmap.figures import style
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run
-from snapmap.study.axes import COORDINATES
+from snapmap.study.axes import attributes_of
 from snapmap.study.variables import variables
 
 CONFIG = {
@@ -50,7 +50,7 @@ def make_cells(rows, f0=None, N=None):
         "well": (("f0", "N"), np.where(tripped, 2, 1).astype(np.int8), VARIABLES["well"]),
         "well_share": (("f0", "N"), np.ones(outcome.shape, np.float32), VARIABLES["well_share"]),
     }
-    axes = {"C": ((), 25.0, COORDINATES["C"]), "f0": f0, "N": N}
+    axes = {"C": ((), 25.0, attributes_of("C")), "f0": f0, "N": N}
     return xr.Dataset(variables, axes, ATTRIBUTES)
 
 

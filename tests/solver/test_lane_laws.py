@@ -15,6 +15,7 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.kernel.tables import CELLS, least_energy, look_up, potentials
 from snapmap.solver.laws import compile_laws, load_laws
 from snapmap.solver.models import build_model
+from snapmap.solver.motion import largest_stress
 from snapmap.solver.settings import Run
 
 COSINES = {"name": "cosines", "modes": 3}
@@ -210,7 +211,9 @@ def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
             raise ValueError("too fast")
         return C * velocity
 
-    with pytest.raises(ValueError, match=r"\Amodel\.laws: damping: ValueError: too fast\Z"):
+    with pytest.raises(
+        ValueError, match=r"\Amodel\.laws: \S+, line \d+: damping: ValueError: too fast\Z"
+    ):
         follow(handout, COSINES, laws_of(damping=damping), 25.0)
 
 
@@ -225,7 +228,11 @@ def test_compiling_a_law_is_said_once_before_it_begins(handout, caplog):
 REFUSED = {
     "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
     "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
-    "model.laws: contact: falls": ({}, {"contact": lambda k, s: -900.0 * s}, {"modes": 3}),
+    r"model.laws: \S+, line \d+: contact: falls": (
+        {},
+        {"contact": lambda k, s: -900.0 * s},
+        {"modes": 3},
+    ),
     "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
     "model.laws: solver": ({}, {"solver": lambda cell, step: None}, {}),
 }
@@ -270,6 +277,20 @@ def test_all_that_takes_a_model_takes_laws(handout):
     (of_own, mean), (of_law, mean_of_law) = made.values()
     assert abs(of_own.value - of_law.value) < of_own.error + of_law.error
     assert mean_of_law == pytest.approx(mean, rel=1e-3)
+
+
+@pytest.mark.long
+def test_the_stress_under_laws_is_that_of_the_device_where_they_are_its_own(handout):
+    """And that of a history; with a law of the force it is unknown."""
+    device = batch([replace(handout, strength=450.0)])
+    cells = to_cells(device, 0, np.array([1500.0, 900.0]), 1000.0, 25.0, 100.0).flat()
+    models = [flat.model(**COSINES, laws=laws) for laws in (None, LINEAR, {"contact": hertz})]
+    stress = [largest_stress(device, model, cells, Run(100.0)) for model in models]
+    np.testing.assert_allclose(stress[1], stress[0], rtol=1e-6)
+    run = flat.simulate(handout, 900.0, 1000.0, 25.0, models[2], horizon=100.0)
+    assert stress[2][1] == pytest.approx(run.stress.max().item(), rel=1e-4)
+    with pytest.raises(ValueError, match=r"^device\.strength: does not work with these laws"):
+        build_model(device, flat.model("cosines", laws={"force": lambda x: x * (x - 8) * (x - 18)}))
 
 
 @pytest.mark.long

@@ -14,6 +14,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.applications import gather
+from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
 from snapmap.beam.elements import hermite_elements
 from snapmap.config.doubts import descriptions, doubts
@@ -23,7 +24,7 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.solver import lawful_loop, plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
-from snapmap.solver.laws import Laws, load_laws
+from snapmap.solver.laws import PARAMETERS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import nodal_system
 from snapmap.solver.options import Reference
@@ -182,33 +183,69 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
 @pytest.mark.parametrize(
     ("written", "line"),
     [
-        ("def damping(v): return v", "damping: takes (v); write (C, velocity, place)"),
-        ("x = 1", "no law; write a function named damping or contact or force or solver"),
-        ("def contact(k, s): return 'a'", "contact: returns 'a'; return a float"),
-        ("def contact(k, s): return open(s)", "contact: numba cannot compile it; "),
-        ("damping = 1", "damping: is not a function"),
-        ("solver = 1", "solver: is not a function"),
-        ("def solver(x): return x", "solver: takes (x); write (cell, step)"),
-        ("contact = solver = lambda a, b: 1.0", "a solver beside laws; write"),
-        ("def force(x): return x", "force: no double well; make it 0 at 0, then"),
-        ("def force(x): return abs(x)*(x-8.0)*(x-18.0)", "force: no double well; make it 0 at 0"),
+        (
+            "def damping(v): return v",
+            "mylaws.py, line 1: damping: takes (v); write (C, velocity, place)",
+        ),
+        (
+            "x = 1",
+            "mylaws.py: no law; write a function named damping or contact or force or solver",
+        ),
+        (
+            "def contact(k, s): return 'a'",
+            "mylaws.py, line 1: contact: returns 'a'; return a float",
+        ),
+        (
+            "def contact(k, s): return open(s)",
+            "mylaws.py, line 1: contact: numba cannot compile it; ",
+        ),
+        ("damping = 1", "mylaws.py: damping: is not a function"),
+        ("solver = 1", "mylaws.py: solver: is not a function"),
+        ("def solver(x): return x", "mylaws.py, line 1: solver: takes (x); write (cell, step)"),
+        ("contact = solver = lambda a, b: 1.0", "mylaws.py: a solver beside laws; write"),
+        ("def force(x): return x", "mylaws.py, line 1: force: no double well; make it 0 at"),
+        (
+            "\ndef force(x): return abs(x)*(x-8.0)*(x-18.0)",
+            "mylaws.py, line 2: force: no double well; make it 0 at 0",
+        ),
         *(
             (
                 f"def damping(C, v, y): return {drag}",
-                "damping: drives the mass; give it the sign of",
+                "mylaws.py, line 1: damping: drives the mass; give it the sign of",
             )
             for drag in ("-C * v", "C * abs(v)", "-C * abs(v)", "C * v * y", "-C * v * y")
         ),
-        ("def force(x)", "mylaws.py: SyntaxError: expected ':' (mylaws.py, line 1)"),
-        ("raise SystemExit(0)", "mylaws.py: SystemExit: 0"),
-        ("import sys\nsys.exit()", "mylaws.py: SystemExit"),
-        ("1 / 0", "mylaws.py: ZeroDivisionError: division by zero"),
+        ("def force(x)", "mylaws.py, line 1: SyntaxError: expected ':'"),
+        ("raise SystemExit(0)", "mylaws.py, line 1: SystemExit: 0"),
+        ("import sys\nsys.exit()", "mylaws.py, line 2: SystemExit"),
+        ("1 / 0", "mylaws.py, line 1: ZeroDivisionError: division by zero"),
         (
             "def damping(C, v, y):\n  if v > 0: raise ValueError('no')\n  return v",
-            "damping: ValueEr",
+            "mylaws.py, line 2: damping: ValueEr",
         ),
-        ("def force(x):\n  if x < -1: raise ValueError('no')\n  return x", "force: ValueError: no"),
-        ("damping = lambda C, v, y: 0.0 if v > 0 else sum(())", "damping: numba cannot compile it"),
+        (
+            "def force(x):\n  if x < -1: raise ValueError('no')\n  return x",
+            "mylaws.py, line 2: force: ValueError: no",
+        ),
+        (
+            "damping = lambda C, v, y: 0.0 if v > 0 else sum(())",
+            "mylaws.py, line 1: damping: numba cannot compile it",
+        ),
+        (
+            "unit_of_C = 'uN'\ndef contact(k, s): return k * s",
+            "mylaws.py: unit_of_C: needs a law of damping",
+        ),
+        *(
+            (
+                f"unit_of_C = {unit!r}\ndef damping(C, v, y): return C * v",
+                f"mylaws.py: unit_of_C: {needs}",
+            )
+            for unit, needs in {
+                "uN*uss/um": "has an unknown unit, 'uN*uss/um'",
+                "9**9**9": "'9**9**9' is not a unit; write one such as uN*us^3/um^3, or 1",
+                3: "3 is not a unit; write",
+            }.items()
+        ),
     ],
 )
 def test_a_file_that_has_no_laws_is_refused_in_a_line(handout, law_file, written, line):
@@ -234,11 +271,15 @@ def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
         raise [KeyError, SystemExit][cell.f0 > 0.002]("deep\nhole")
 
     monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
-    with pytest.raises(ValueError, match=r"\Amodel\.laws: damping: damping: ValueError: deep\Z"):
+    with pytest.raises(
+        ValueError, match=r"\Amodel\.laws: \S*test_laws\.py, line \d+: damping: damping: V"
+    ):
         plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
     for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):
         where = rf"solver at N = 900, f0 = {f0:g} Hz, C = 25 uN\*us/um"
-        with pytest.raises(ValueError, match=rf"\Amodel\.laws: {where}: {error}\Z") as caught:
+        with pytest.raises(
+            ValueError, match=rf"\Amodel\.laws: \S+, line \d+: {where}: {error}\Z"
+        ) as caught:
             flat.sweep(handout, [900.0], [f0], [25.0], model=solver)
         assert isinstance(caught.value.__cause__, KeyError | SystemExit)
 
@@ -256,7 +297,9 @@ def test_what_laws_do_not_know_is_refused(handout, laws):
 
 CONFIG = yaml.safe_load(THREE_COSINES + SWEEP)
 CONFIG |= {"model": {"name": "reference", "laws": "mylaws.py"}}
+CUBIC = CONFIG | {"sweep": CONFIG["sweep"] | {"C": ["3e4 uN*us^3/um^3"]}}
 CELLS = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
+OF_CUBIC = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us^3/um^3"}]}
 
 
 def outputs(study):
@@ -267,27 +310,26 @@ def test_a_config_names_a_file_of_laws(root, law_file):
     with pytest.raises(Faults, match=r"^model\.laws: mylaws\.py: is not there$"):
         load_config(CONFIG)
     law_file.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
-    study = load_config(CONFIG)
+    study = load_config(CUBIC)
     assert outputs(study)["statics"]  # of the beam, which the law leaves as it is
     assert "not known under model.laws" in descriptions(study)[0]
-    thick = {"sweep": CONFIG["sweep"] | {"C": ["30000 uN*us/um"]}}
-    assert not any("critical" in line for line in doubts(load_config(CONFIG | thick)))
+    assert not any("critical" in line for line in doubts(study))
     law_file.write_text(law_file.read_text() + "\n")
-    edited = load_config(CONFIG)
+    edited = load_config(CUBIC)
     assert study.inputs() != edited.inputs()
     assert study.files()["mylaws.py"] == study.model.laws.sha256 != edited.model.laws.sha256
-    in_kernel = load_config(CONFIG | {"model": {"name": "cosines", "laws": "mylaws.py"}})
+    in_kernel = load_config(CUBIC | {"model": {"name": "cosines", "laws": "mylaws.py"}})
     assert in_kernel.model.laws.sha256 == edited.model.laws.sha256
-    with pytest.raises(Faults, match=r"^model\.laws: unknown key; known here are tolerance, name"):
+    with pytest.raises(Faults, match=r"^model\.laws: auto takes none; write name: elements, or c"):
         load_config(CONFIG | {"model": {"name": "auto", "laws": "mylaws.py"}})
     with pytest.raises(Faults, match=r"^tolerances: does not work with model"):
-        load_config(CONFIG | {"tolerances": {"thickness": "1 %"}})
+        load_config(CUBIC | {"tolerances": {"thickness": "1 %"}})
 
 
 def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
     examples = root / "examples" / "laws"
     law_file.write_text((examples / "cubic_damping.py").read_text())
-    made = outputs(load_config(CONFIG | CELLS))
+    made = outputs(load_config(CUBIC | OF_CUBIC))
     assert made["statics"] and made["histories"]
     law_file.write_text("def solver(cell, step): return 1.0")
     assert "statics" not in outputs(load_config(CONFIG))
@@ -335,7 +377,9 @@ def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
 
 @pytest.mark.parametrize("answer", [True, False, -1.0, "snapped", 1j])
 def test_an_answer_of_a_solver_that_is_no_time_is_refused(handout, answer):
-    with pytest.raises(ValueError, match=r"^model\.laws: solver: returns .*; return the time"):
+    with pytest.raises(
+        ValueError, match=r"^model\.laws: \S*test_laws\.py, line \d+: solver: returns .*; return"
+    ):
         flat.sweep(handout, [900.0], [F0], [0.0], model=lambda cell, step: answer)
 
 
@@ -349,3 +393,67 @@ def test_a_solver_sees_the_start_says_what_it_does_not_believe_and_has_no_histor
         ValueError, match=r"^model\.laws: of reference work only with sweep, threshold; l"
     ):
         flat.simulate(handout, 900.0, F0, 0.0, model=model)
+
+
+def test_a_law_counts_C_in_the_unit_that_it_states(handout):
+    """A drag of C velocity^2 has kg/m, here by a solver that snaps from C = 7 on."""
+    seen = {"solver": lambda cell, step: 1.0 if cell.damping > 6.9 else None}
+    model = Reference(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
+    study = snapmap.Study(handout, model, run={"until": "snap"})
+    cube = snapmap.sweep(study, [900.0], [F0], ["6e-6 kg/m", "7 uN*us^2/um^2", 8.0])
+    assert cube.C.values.tolist() == pytest.approx([6.0, 7.0, 8.0])
+    assert np.isfinite(cube.t_snap.squeeze().values).tolist() == [False, True, True]
+    assert cube.C.units == "uN us2 um-2" and cube.N.units == "1"
+    assert snapmap.sweep(study, [900.0], [F0], cube.C).identical(cube)
+    title = snapmap.plot_outcome(cube.sel(C=8.0)).get_title()
+    assert "$C$ = 8 µN µs$^{2}$/µm$^{2}$" in title
+    with pytest.raises(
+        ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
+    ):
+        snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
+    own = snapmap.Study(handout, Reference(laws=seen), run={"until": "snap"})
+    own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
+    assert own.C.units == "uN us um-1" and "unit_of_C" not in own.attrs["config"]
+
+
+def test_a_config_writes_C_in_the_unit_of_its_law(root, law_file):
+    law_file.write_text((root / "examples" / "laws" / "cubic_damping.py").read_text())
+    study = load_config(CUBIC | {"sweep": CUBIC["sweep"] | {"C": ["2e-8 N*s^3/m^3"]}})
+    assert study.axes["C"] == pytest.approx([0.02]) and study.units["C"][0] == "N*s^3/m^3"
+    assert study.document()["model"]["unit_of_C"] == study.unit_of_C == "uN*us^3/um^3"
+    wrong = CONFIG | CELLS | {"maps": [{"x": "f0", "y": "N", "at": {"C": "25 uN*us/um"}}]}
+    with pytest.raises(Faults) as caught:
+        load_config(wrong)
+    such = "write a damper constant such as '25 uN*us^3/um^3'"
+    needs = f"'25 uN*us/um' does not convert to uN*us^3/um^3; {such}"
+    assert set(caught.value.args) == {f"{at}: {needs}" for at in ("sweep.C[0]", "histories[0].C")}
+    sweep = {key: value for key, value in CONFIG["sweep"].items() if key != "C"}
+    damped = {"device": CONFIG["device"] | {"quality_factor": 200}, "sweep": sweep}
+    with pytest.raises(Faults, match=r"^device\.quality_factor: gives C in uN\*us/um, but "):
+        load_config(CONFIG | damped)
+
+
+def test_what_a_data_sheet_does_not_know_it_says(handout, laws):
+    force, damping = laws("double_well"), laws("cubic_damping")
+    own, pulled, dragged = (
+        dict(_at_rest(handout, each, [], ("", 1.0))) for each in (None, force, damping)
+    )
+    told = {key for key, text in pulled.items() if text == "not known under model.laws"}
+    assert own.keys() == pulled.keys() == told | {"frequency of the mass on its spring"}
+    assert {key for key in own if dragged[key] != own[key]} == {"slow shock that snaps it"}
+    with pytest.raises(ValueError, match=r"^model\.laws: force: statics are of the device's own"):
+        snapmap.statics(snapmap.Study(handout, snapmap.Cosines(laws=force)))
+
+
+def test_the_laws_on_the_page_are_those_of_the_examples(root, laws):
+    text = (root / "docs" / "own-physics.md").read_text(encoding="utf-8")
+    written = [b for b in re.findall(r"^```python\n(.*?)^```", text, re.M | re.S) if ".py," in b]
+    for block in written:
+        exec(block, names := {})
+        name = re.search(r"# (\w+)\.py", block).group(1)
+        law = next(key for key in ("damping", "contact", "force") if key in names)
+        ours = getattr(laws(name), law)
+        for at in np.random.default_rng(3).uniform(-2.0, 2.0, (9, 3))[:, : len(PARAMETERS[law])]:
+            assert names[law](*at.tolist()) == pytest.approx(ours(*at.tolist()), rel=1e-12)
+        assert names.get("unit_of_C", "uN*us/um") == laws(name).unit_of_C
+    assert len(written) == len([*(root / "examples" / "laws").glob("*.py")])

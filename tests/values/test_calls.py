@@ -1,6 +1,6 @@
 """Calls are held to the kinds of their signatures: each wrong argument is a line, all at once."""
 
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import pytest
 
@@ -27,7 +27,7 @@ def call(prepared):
         prepared.append((function, values))
         yield
 
-    return checked(beam, {"horizon": "; write run={'horizon': ...}"}, prepare)
+    return checked(beam, {"horizon": "; write run={'horizon': ...}"}, prepare, nullcontext)
 
 
 def test_arguments_are_converted_by_their_kinds_and_defaults_stay(call, prepared):

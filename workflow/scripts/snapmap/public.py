@@ -4,7 +4,7 @@ import functools
 import inspect
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import fields
 
 import numpy as np
@@ -16,8 +16,10 @@ from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
 from .solver.settings import Run
+from .study.provenance import unit_of_C
 from .study.study import Study
 from .values import calls
+from .values.damper import damper_in
 
 OF_LAWS = ("simulate", "sweep", "threshold")
 """Functions that follow the laws of `reference`, which is slow; a solver gives no motion."""
@@ -39,7 +41,7 @@ def checked(function: Callable) -> Callable:
     """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(function, ELSEWHERE, _prepare)
+    call = calls.checked(function, ELSEWHERE, _prepare, _with_its_damper)
     call.__module__ = __package__  # by which it is pickled
     return call
 
@@ -53,6 +55,16 @@ def _with_observers(sweep):
     kept = [part for key, part in signature.parameters.items() if key != "observers"]
     observed.__signature__ = signature.replace(parameters=kept)
     return observed
+
+
+def _with_its_damper(values):
+    """Let C count in the unit of the study, or of the dataset, of a call."""
+    for value in values.values():
+        if isinstance(value, Study):
+            return damper_in(value.unit_of_C)
+        if "config" in (getattr(value, "attrs", None) or ()):
+            return damper_in(unit_of_C(value.attrs))
+    return nullcontext()
 
 
 @contextmanager
@@ -85,7 +97,7 @@ def _doubts(study, values):
         if C is None or f0 is None:
             yield from unusual(alone)
         else:
-            rows = (np.sort(np.atleast_1d(np.asarray(row, float))) for row in (C, f0))
-            yield from implausible(alone, *rows)
+            C, f0 = (np.sort(np.atleast_1d(np.asarray(row, float))) for row in (C, f0))
+            yield from implausible(alone, None if study.model.laws else C, f0)
         if "scatters" in values:
             yield from wide(Plan(single, values["scatters"], values.get("together", ())))

@@ -12,10 +12,13 @@ from ..device.device import VALUES, Device
 from ..files.named import hold_to_plan, sha256_of
 from ..pulse.pulse import N_of_g
 from ..pulse.shocks import HANDOUT_SHOCK
+from ..solver.options import Model
 from ..solver.settings import SECOND
 from ..study.axes import KIND_OF, SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
 from ..study.study import Study
+from ..values.damper import INTERNAL, damper_in
 from ..values.faults import Faults, line_at
+from ..values.kinds import kind_of
 from ..values.reading import read
 from ..values.units import spelling_of
 from .devices import nominal
@@ -110,6 +113,20 @@ def planned_study(document: Mapping, threads: int) -> Config:
 def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; Faults have a line for each fault."""
     source, renamed = renew(document)
+    with damper_in(_unit_of_C(source)):
+        return _convert(source, renamed)
+
+
+def _unit_of_C(source):
+    """Give the unit of C of a config, which the laws of its model may state."""
+    try:
+        laws = kind_of(Model).read(source["model"]).laws
+    except (KeyError, TypeError, ValueError):  # told beside all other faults
+        laws = None
+    return laws.unit_of_C if laws else INTERNAL
+
+
+def _convert(source, renamed):
     parts, faults = read(Document, source), _Faults()
     named = {name: section.made for name, section in parts.by_name.items()}
     device = named if parts.devices else named["device"]
@@ -214,6 +231,10 @@ def require_start(start: str, *devices: Device) -> None:
 def _damper(parts):
     """Give C by the quality factors of the devices, uN us/um; it does not count beside sweep.C."""
     dampers = {section.C for section in parts.by_name.values()}
+    unit = KIND_OF["C"].unit
+    if dampers - {None, 0.0} and unit != INTERNAL:
+        words = f"device.quality_factor: gives C in {INTERNAL}, but model.laws states {unit or 1}"
+        raise ValueError(f"{words}; write sweep.C")
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
         raise ValueError("quality factors give each device another C; write sweep.C")
     return dampers.pop()

@@ -2,7 +2,6 @@
 
 import csv
 import math
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +15,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..files.text import plain
 from ..study.axes import DURATION, KIND_OF
-from ..values.units import SPELT
+from ..values.units import spelling
 from . import style
 
 NONE = MappingProxyType({})
@@ -24,13 +23,8 @@ NONE = MappingProxyType({})
 with open(Path(__file__).with_name("words.csv"), encoding="utf-8") as _file:
     _ROWS = [*csv.DictReader(_file)]
 
-
-def _unit(key):
-    return "ms" if key == DURATION else SPELT[KIND_OF[key].unit].figures if key in KIND_OF else ""
-
-
-WORDS = {row["name"]: (row["words"], _unit(row["name"])) for row in _ROWS}
-"""Words before a value of each axis, and the unit behind it."""
+WORDS = {row["name"]: row["words"] for row in _ROWS}
+"""Words before a value of each axis."""
 LABELS = {row["name"]: row["label"] or row["words"] for row in _ROWS}
 """Name of each quantity along its axis."""
 SEVERAL = 10
@@ -43,6 +37,13 @@ SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
 """Digits that have ticks in a decade, densest choice first, and the least room of a label."""
 SHORT = 0.5
 """Decades below which a logarithmic axis has the ticks of a linear one."""
+
+
+def unit_of(key: str) -> str:
+    """Typeset the unit behind a value of an axis; "" for none."""
+    if key == DURATION:
+        return "ms"
+    return spelling(KIND_OF[key].unit).figures if key in KIND_OF else ""
 
 
 class Scale(NamedTuple):
@@ -145,18 +146,10 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     attributes: attributes of the dataset, whose config says what N counts
     unit: spelling of the unit in a config; by default the internal unit
     """
-    _, internal = WORDS[key]
-    unit = typeset(unit) or (style.multiples(attributes) if key == "N" else internal)
+    own = style.multiples(attributes) if key == "N" else unit_of(key)
+    unit = spelling(unit).figures or own
     label = LABELS[key]
     return f"{label} ({unit})" if unit else label
-
-
-def typeset(unit: str) -> str:
-    """Typeset a unit of a config for figures."""
-    if unit in SPELT:
-        return SPELT[unit].figures
-    powers = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
-    return re.sub(r"\bu(?=\w)", "µ", re.sub(r" *\* *", " ", powers))
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
@@ -188,7 +181,7 @@ def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
 
 def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
     """Typeset a value of an axis: `$C$ = 25 µN µs µm$^{-1}$`, `thickness 1.9 µm`."""
-    words, unit = WORDS[key]
+    words, unit = WORDS[key], unit_of(key)
     sign = " = " if "$" in words else " "
     text = number(value).replace("-", "−") if key == "direction" else number(value)
     return f"{words}{sign}{text} {unit if with_unit and value != math.inf else ''}".strip()

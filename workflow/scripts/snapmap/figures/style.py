@@ -26,6 +26,8 @@ from ..files.text import plain
 from ..pulse.pulse import NEAR_G, VERSED_SINE, G
 from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
+from ..study.provenance import unit_of_C
+from ..values.damper import damper_in
 from ..values.units import used
 
 COLUMN, PAGE = 56, 130
@@ -156,7 +158,7 @@ def saved(
 
     stem: path without ending; attributes: attributes of the dataset drawn; height: in inches
     """
-    with paper():
+    with paper(), damper_in(unit_of_C(attributes)):
         figure = double_column(height) if columns == 2 else single_column(height)
         yield figure
         save(figure, stem, attributes)

@@ -80,7 +80,7 @@ def _draw_gap(ax, curve, scale, colour):
 def title(surface: xr.Dataset, width: int) -> str:
     """Write what all curves have in common, in lines of at most `width` signs."""
     v = surface.velocity_change
-    symbols = [f"$C$ in {scales.WORDS['C'][1]}"] if "C" in surface.dims else []
+    symbols = [f"$C$ in {scales.unit_of('C')}"] if "C" in surface.dims else []
     if v.ndim < 2 and v.notnull().any():  # as it stands in the keys
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
     words = [style.case(surface.attrs, width), scales.place_text(surface, width)]

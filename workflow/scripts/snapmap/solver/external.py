@@ -1,5 +1,6 @@
 """Cells followed by a user's own solver, a function of a single cell."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from ..device.device import Device
 from ..files.text import show
 from ..pulse.pulse import Pulse
 from .cells import Cells
-from .laws import of_user
+from .laws import fault_of, of_user
 from .settings import Run
 
 LANES = 1  # cells that are followed side by side
@@ -37,25 +38,26 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
     for a run not to trust. Raises ValueError, one line, for any other answer, or an error in it.
     """
     t_snap, unknown = np.empty(dt.size), np.full(dt.size, np.nan)
+    unit = model.laws.unit_of_C
     for i in range(dt.size):
         device, pulse, *values = (column[i].item() for column in cells[:-1])
         alone = model.pick(device).device
         cell = Cell._make((alone, cells.pulses[pulse], *values, settings.start))
         N, f0, C = cell.amplitude / alone.gravity, 1e6 * cell.f0, cell.damping
         name = getattr(model.laws.solver, "__name__", "solver")
-        with of_user(f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} uN*us/um"):
+        with of_user(f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} {unit}".strip()):
             answer = model.laws.solver(cell, dt[i].item())
-        t_snap[i] = _time_of(answer)
+        t_snap[i] = _time_of(answer, model.laws.solver)
     lost = np.where(np.isinf(t_snap), np.inf, 0.0)
     return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
 
 
-def _time_of(answer: object) -> float:
+def _time_of(answer: object, solver: Callable) -> float:
     """Convert the answer of a solver to a time, us, or NaN; raises ValueError for a wrong one."""
     if answer is None:
         return np.nan
     numbers = int | float | np.integer | np.floating
     if isinstance(answer, bool) or not isinstance(answer, numbers) or answer < 0:
         needs = "return the time of the snap (us), None for no snap, or inf for a run not to trust"
-        raise ValueError(f"model.laws: solver: returns {show(answer)}; {needs}")
+        raise fault_of(solver, "solver", f"returns {show(answer)}; {needs}")
     return float(answer)

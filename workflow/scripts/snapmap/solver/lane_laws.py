@@ -33,7 +33,7 @@ def raise_error(laws: Laws | None, lanes: LaneLaws | None) -> None:
 def _of_lanes(law):
     """Compile a law of damping for rows of LANES numbers, as `kernel.laws.LaneLaws` says."""
     announce("law of damping", law, 1)
-    with of_user("damping"):
+    with of_user("damping", law):
         drag = inlined(getattr(law, "py_func", law))
 
         @cfunc(types.void(types.CPointer(types.float64)), error_model="numpy")

@@ -9,7 +9,7 @@ import numpy as np
 from ..beam.modal import ModalBeam
 from ..device.device import Device
 from .kernel.tables import CELLS, least_energy, potentials
-from .laws import REACH, Laws, of_user
+from .laws import REACH, Laws, fault_of, of_user
 
 CHORDS = 64
 """Chords of a law of the force from the first to the second shape, for its stiffness."""
@@ -99,7 +99,7 @@ def _in_series(law, residual):
         rises = np.diff(both) / np.diff(s)
         if not (rises > 0).all():
             needs = "write elements without modes, or a law that falls less"
-            raise ValueError(f"model.laws: contact: falls too steeply for modes left out; {needs}")
+            raise fault_of(law, "contact", f"falls too steeply for modes left out; {needs}")
         rise = rises[np.clip(np.searchsorted(both, x) - 1, 0, rises.size - 1)]
         s = np.interp(x, both, s)
         for _ in range(PASSES):

@@ -2,10 +2,15 @@
 
 import inspect
 import logging
+import os
+import re
+import sysconfig
+import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -13,8 +18,10 @@ from typing_extensions import TypeAliasType
 
 from ..files.named import inside, naming, read_named, sha256_of
 from ..files.text import describe, show
+from ..values.damper import INTERNAL
 from ..values.kinds import Fitting, Kind, Number
 from ..values.quantities import Value
+from ..values.units import require_unit
 
 logger = logging.getLogger("snapmap")
 PARAMETERS = {
@@ -35,8 +42,15 @@ def _take_law(value):
 
 
 Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", _take_law)])
+UNIT = "unit_of_C"
+"""Name, beside the laws, of the unit in which the damping or the solver counts C."""
 MODULE = "laws_of_a_study"
 """Name of the module of a file of laws: numba would take that of another one for it."""
+_FOLDERS = Path(__file__).parents[1], *map(sysconfig.get_path, ("stdlib", "purelib"))
+LIBRARIES = tuple(f"{folder}{os.sep}" for folder in _FOLDERS)
+"""Folders whose lines are no user's."""
+OF_NUMBA = r'During: |File "|There are \d+ candidate'
+"""Where in an error of numba that begins which only numba's own authors need."""
 REACH, POINTS = 10.0, 10_000
 """Range over the rise in which a law is sampled, and number of samples on either side of 0."""
 
@@ -47,6 +61,7 @@ class Laws:
 
     solver: function in place of the whole model, as in `external.march`
     file, sha256: of the functions, if they were read from one
+    unit_of_C: as a config spells it; "" for a plain number
     """
 
     damping: Callable | None = None
@@ -55,6 +70,7 @@ class Laws:
     solver: Callable | None = None
     file: str = ""
     sha256: str = ""
+    unit_of_C: str = INTERNAL
 
     def __str__(self):
         """Name the file, or the functions, as in attributes of products."""
@@ -114,24 +130,59 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
     if not laws or ("solver" in laws and len(laws) > 1):
         many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
         raise ValueError(f"model.laws: {many}; write a function named {needs}")
-    return Laws(**laws)
+    if UNIT in functions and not laws.keys() & {"damping", "solver"}:
+        raise ValueError(f"model.laws: {UNIT}: needs a law of damping; leave it out")
+    with naming(f"model.laws: {UNIT}"):
+        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, INTERNAL)))
 
 
 @contextmanager
-def of_user(what: str) -> Iterator[None]:
+def of_user(what: str, law: object = None) -> Iterator[None]:
     """Turn any error of a user's code into a ValueError, one line that begins with model.laws.
 
-    what: the file or law that runs
+    what: the file or law that runs; law: its function, if there is one
+    The line names the file and the line of the error, or else those where the law begins.
     """
     try:
         yield
     except (Exception, SystemExit) as error:
         from numba.core.errors import NumbaError
 
-        is_of_numba = isinstance(error, NumbaError)
-        fault = "numba cannot compile it;" if is_of_numba else f"{type(error).__name__}:"
-        line = " ".join(f"model.laws: {what}: {fault} {error}".split())
-        raise ValueError(line.removesuffix(":")) from error
+        place = _line_of(error)
+        told = error.msg if isinstance(error, SyntaxError) else str(error)
+        fault = f"{type(error).__name__}: {told}"
+        if isinstance(error, NumbaError):
+            told = re.sub(r"^Failed in .*?\(step: .*?\)", "", told, flags=re.DOTALL)
+            fault = f"numba cannot compile it; {re.split(OF_NUMBA, told)[0]}"
+        what = "" if place and what == place[0] else f"{what}: "
+        line = " ".join(f"{_at(place, law)}{what}{fault}".split())
+        raise ValueError(f"model.laws: {line.removesuffix(':')}") from error
+
+
+def _line_of(error):
+    """Find the file and line of a user's code in which an error arose; None if none is known."""
+    if isinstance(error, SyntaxError) and error.lineno:
+        return error.filename, error.lineno
+    frames = [(frame.filename, frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
+    for places in (frames, re.findall(r'File "(.*?)", line (\d+)', str(error))):
+        if own := [at for at in places if not os.path.abspath(at[0]).startswith(LIBRARIES)]:
+            return own[-1]
+    return None
+
+
+def _at(place, law=None):
+    """Write file and line before a fault, or those where a law begins; a notebook has no file."""
+    law = getattr(law, "func", law)
+    code = getattr(getattr(law, "py_func", law), "__code__", None)
+    if not (place or code):
+        return ""
+    file, line = place or (code.co_filename, code.co_firstlineno)
+    return f"{file}, line {line}: " if Path(file).is_file() else f"line {line}: "
+
+
+def fault_of(law: Callable, key: str, line: str) -> ValueError:
+    """Make the error of a law that is wrong, by its name: a line with the file and line of it."""
+    return ValueError(f"model.laws: {_at(None, law)}{key}: {line}")
 
 
 @cache
@@ -145,7 +196,12 @@ def load_laws(path: str, sha256: str = "") -> Laws:
     names = {"__name__": MODULE}
     with of_user(path):
         exec(compile(content, path, "exec"), names)
-    return replace(compile_laws(names), file=path, sha256=sha256)
+    try:
+        return replace(compile_laws(names), file=path, sha256=sha256)
+    except ValueError as error:
+        line = str(error).removeprefix("model.laws: ")
+        line = line if line.startswith(f"{path}, line ") else f"{path}: {line}"
+        raise ValueError(f"model.laws: {line}") from error.__cause__
 
 
 class LawsKind(Kind):
@@ -158,7 +214,7 @@ class LawsKind(Kind):
         """Take laws, or read a file."""
         if isinstance(value, Laws):
             return value
-        are_functions = isinstance(value, Mapping) and value.keys() <= PARAMETERS.keys()
+        are_functions = isinstance(value, Mapping) and value.keys() <= {*PARAMETERS, UNIT}
         if not are_functions and not isinstance(value, str):
             raise ValueError(f"{show(value)} is not {self.need}")
         try:
@@ -192,26 +248,26 @@ def _compiled(key, law):
     """Compile a law, and check its parameters, its result and the sign of a damping."""
     from numba import njit
 
-    name, needs = f"model.laws: {key}", PARAMETERS[key]
-    function = getattr(law, "py_func", law)
+    function, needs = getattr(law, "py_func", law), PARAMETERS[key]
     if not (callable(law) if key == "solver" else inspect.isfunction(function)):
-        raise ValueError(f"{name}: is not a function")
+        raise ValueError(f"model.laws: {key}: is not a function")
     with of_user(key):
         parameters = inspect.signature(function).parameters
     if len(parameters) != len(needs):
-        raise ValueError(f"{name}: takes ({', '.join(parameters)}); write ({', '.join(needs)})")
+        line = f"takes ({', '.join(parameters)}); write ({', '.join(needs)})"
+        raise fault_of(law, key, line)
     if key == "solver":
         return law
     law = law if law is not function else njit(error_model="numpy")(function)
-    with of_user(key):
+    with of_user(key, law):
         value = law(*np.full(len(needs), 0.25))
     if not isinstance(value, float):
-        raise ValueError(f"{name}: returns {show(value)}; return a float")
+        raise fault_of(law, key, f"returns {show(value)}; return a float")
     if key == "damping":
-        with of_user(key):
+        with of_user(key, law):
             drives = any(v * law(1.0, v, z) < 0 for v in (-1.0, 1.0) for z in (-1.0, 1.0))
         if drives:
-            raise ValueError(f"{name}: drives the mass; give it the sign of the velocity")
+            raise fault_of(law, key, "drives the mass; give it the sign of the velocity")
     return law
 
 
@@ -228,7 +284,7 @@ def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
     if abs(F[POINTS]) > least or F[:POINTS].max() > least or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
         needs += f" below {x[-1]:g} um, and nowhere positive below 0"
-        raise ValueError(f"model.laws: force: no double well; make it {needs}")
+        raise fault_of(force, "force", f"no double well; make it {needs}")
     step, i, j = x[POINTS + 1], falls[0], rises[0]
     saddle, second = (float(x[k] + step * F[k] / (F[k] - F[k + 1])) for k in (i, j))
     energy = step * (F[POINTS:i].sum() + F[i] / 2) + F[i] * (saddle - x[i]) / 2
@@ -238,5 +294,5 @@ def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
 def curve(name: str, law: Callable, rise: Number) -> tuple[np.ndarray, np.ndarray]:
     """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
-    with of_user(name):
+    with of_user(name, law):
         return x, np.array([law(place) for place in x.tolist()])

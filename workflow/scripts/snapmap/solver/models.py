@@ -330,7 +330,7 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
             "device.stop_toward:": law_meets_stops and np.isfinite(device.stop_toward),
             "device.stop_away:": law_meets_stops and np.isfinite(device.stop_away),
             "device.contact_at:": device.has_electrode,
-            "device.strength:": np.isfinite(device.strength),
+            "device.strength:": np.isfinite(device.strength) & (bool(laws.force) or not kernel),
             "device.mass: none": device.is_alone,
         }.items():
             if np.any(refused):

@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 from typing_extensions import TypeAliasType
 
 from ..files.text import describe, show
+from ..values.damper import INTERNAL
 from ..values.faults import Faults
 from ..values.fields import hints
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.reading import read_part
 from ..values.records import build, record, told
-from .laws import Laws, UserLaws, compile_laws
+from .laws import UNIT, Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -143,7 +144,10 @@ class ModelKind(Kind):
             raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
         if value["name"] not in [*MODELS]:
             raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
-        return MODELS[value["name"]]
+        made = MODELS[value["name"]]
+        if made is Auto and "laws" in value:
+            raise ValueError(".laws: auto takes none; write name: elements, or cosines")
+        return made
 
 
 Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping | Callable, ModelKind()])
@@ -155,4 +159,5 @@ def section_of(chosen: Chosen) -> dict[str, object]:
     if chosen.laws:
         options["laws"] = str(chosen.laws)
         options |= {"sha256": chosen.laws.sha256} if chosen.laws.file else {}
+        options |= {UNIT: unit} if (unit := chosen.laws.unit_of_C) != INTERNAL else {}
     return {"name": chosen.name} | options

@@ -19,7 +19,7 @@ from ..pulse.shocks import HANDOUT_SHOCK, Shocks
 from ..solver.cells import Rows, to_rows
 from ..values.kinds import Quantity, kind_of
 from ..values.quantities import Amplitude, Damper, Frequency, PulseTime
-from ..values.units import SPELT
+from ..values.units import spelling
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
@@ -45,14 +45,15 @@ KIND_OF: dict[str, Quantity] = KINDS | {key: kind_of(hint) for key, hint in _OF_
 """Kind of the values on each axis of numbers, by name."""
 
 
-def _attributes(name, long_name):
-    units = {"units": SPELT[KIND_OF[name].unit].files} if name in KIND_OF else {}
-    return {"long_name": long_name} | units
-
-
 with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as _file:
-    COORDINATES = {row["name"]: _attributes(**row) for row in csv.DictReader(_file)}
-"""CF attributes of each quantity that can be an axis, by name."""
+    COORDINATES = {row["name"]: row["long_name"] for row in csv.DictReader(_file)}
+"""Long name of each quantity that can be an axis, by name."""
+
+
+def attributes_of(name: str) -> dict[str, str]:
+    """Give the CF attributes of a quantity; none of one that cannot be an axis."""
+    units = {"units": spelling(KIND_OF[name].unit).files} if name in KIND_OF else {}
+    return {"long_name": COORDINATES[name]} | units if name in COORDINATES else {}
 
 
 class Grid(NamedTuple):

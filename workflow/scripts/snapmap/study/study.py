@@ -13,6 +13,7 @@ from ..files.text import show
 from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks
 from ..solver.options import Auto, Model, section_of
 from ..solver.settings import Run
+from ..values.damper import INTERNAL
 from ..values.kinds import Kind
 from ..values.quantities import Truth
 from ..values.records import record
@@ -92,6 +93,11 @@ class Study:
     def under(self, shocks: Shocks) -> "Study":
         """Give the study with other shocks."""
         return replace(self, pulse=shocks.pulse, direction=shocks.direction)
+
+    @property
+    def unit_of_C(self) -> str:
+        """Unit of C, as a config spells it: a user's own law may state one."""
+        return self.model.laws.unit_of_C if self.model.laws else INTERNAL
 
     def devices(self) -> dict[str, Device]:
         """Give the devices by name; a single one is called `device`."""

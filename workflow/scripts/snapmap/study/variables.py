@@ -13,7 +13,7 @@ from typing_extensions import TypeAliasType
 
 from ..files.text import show
 from ..values.kinds import Fitting
-from .axes import COORDINATES
+from .axes import attributes_of
 from .provenance import provenance
 
 
@@ -56,7 +56,7 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     about = variables(product)
     head = about[""]
     for key, variable in dataset.variables.items():
-        variable.attrs = about.get(key, COORDINATES.get(key, {})) | variable.attrs
+        variable.attrs = about.get(key, attributes_of(key)) | variable.attrs
     return dataset.assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title=head["long_name"],

@@ -11,11 +11,14 @@ from .fields import taken
 from .kinds import kind_of
 
 
-def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable) -> Callable:
+def checked(
+    function: Callable, elsewhere: Mapping[str, str], prepare: Callable, around: Callable
+) -> Callable:
     """Wrap a function so that its arguments are converted by their kinds.
 
     elsewhere: where a value that the function does not take belongs, by its name
     prepare: takes function and arguments by name, and gives a context in which the function runs
+    around: takes the arguments as they are, and gives a context for their conversion, too
     A call raises TypeError for arguments that are missing or too many, and ValueError for wrong
     ones; a line for each.
     """
@@ -27,18 +30,18 @@ def checked(function: Callable, elsewhere: Mapping[str, str], prepare: Callable)
         values, faults = by_name(function.__name__, parameters, positional, named, elsewhere)
         if faults:
             raise TypeError("\n".join(faults))
-        faults = []
-        for key, value in values.items():
-            optional = type(None) in get_args(parameters[key].annotation)
-            if kinds[key] and not (value is None and optional):
-                try:
-                    values[key] = kinds[key].take(value)
-                except ValueError as error:
-                    faults += [line_at((key,), line) for line in str(error).splitlines()]
-        if faults:
-            raise Faults(*faults)
-        with prepare(function, values):
-            return function(**values)
+        with around(values):
+            for key, value in values.items():
+                optional = type(None) in get_args(parameters[key].annotation)
+                if kinds[key] and not (value is None and optional):
+                    try:
+                        values[key] = kinds[key].take(value)
+                    except ValueError as error:
+                        faults += [line_at((key,), line) for line in str(error).splitlines()]
+            if faults:
+                raise Faults(*faults)
+            with prepare(function, values):
+                return function(**values)
 
     return call
 

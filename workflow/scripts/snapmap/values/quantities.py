@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from typing_extensions import TypeAliasType
 
+from . import damper
 from .kinds import Flag, Number, Quantity, Several, Single, Whole
 
 Value = Any
@@ -53,16 +54,13 @@ Refinement = TypeAliasType("Refinement", Annotated[float, Single("a plain number
 Positive = TypeAliasType("Positive", Annotated[float, Single("a plain number")])
 
 _N = Single("a multiple of gravity without a unit", "", "1000", "[0, inf)")
-_F0, _C = (
-    Single("a frequency", "Hz", "1500 Hz"),
-    Single("a damper constant", "uN*us/um", "25 uN*us/um", "[0, inf)"),
-)
+_F0 = Single("a frequency", "Hz", "1500 Hz")
 Amplitude = TypeAliasType("Amplitude", Annotated[float, _N])
 Frequency = TypeAliasType("Frequency", Annotated[Value, _F0])
-Damper = TypeAliasType("Damper", Annotated[Value, _C])
+Damper = TypeAliasType("Damper", Annotated[Value, damper.SingleDamper()])
 Amplitudes = TypeAliasType("Amplitudes", Annotated[float | Sequence[float] | np.ndarray, Several(Quantity(**vars(_N)))])
 Frequencies = TypeAliasType("Frequencies", Annotated[Value, Several(Quantity(**vars(_F0)))])
-Dampers = TypeAliasType("Dampers", Annotated[Value, Several(Quantity(**vars(_C)))])
+Dampers = TypeAliasType("Dampers", Annotated[Value, Several(damper.Damper())])
 PulseTimes = TypeAliasType("PulseTimes", Annotated[Value, Several(Quantity("a duration", "us", "0.5 ms"))])
 
 Truth = TypeAliasType("Truth", Annotated[bool, Flag()])

@@ -55,6 +55,7 @@ SPELT = {
     "uN*us/um": Spelling("uN us um-1", "µN µs µm$^{-1}$", "µN\u00a0µs/µm"),
 }
 """Internal units by their spelling in a config."""
+
 READ = {
     "GPa": (1e-3, "GPa"),
     "kg/m^3": (1e6, "kg/m³"),
@@ -68,6 +69,8 @@ READ = {
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _FACTOR = r"[A-Za-z\u00b5\u03bc%]+(?: *(?:\^|\*\*) *-?\d|[²³])?"  # both the micro sign and mu
 _UNIT = rf"(?:(?<= )1 *(?=/))?(/? *{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
+_PART = r"([*/ ]*)([A-Za-z\u00b5\u03bc%]+)(?: *(?:\^|\*\*) *(-?\d)|([²³]))?"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PLAIN = re.compile(_NUMBER, re.ASCII)
 _QUANTITY = re.compile(rf"({_NUMBER}) *{_UNIT}", re.ASCII)
 _LONGEST = 60
@@ -110,7 +113,7 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
     array = plain_numbers(value)
     if own == "dimensionless":
         own = ""
-    if array is None or own is None or own in (unit, SPELT.get(unit, SPELT[""]).files):
+    if array is None or own is None or own in (unit, spelling("" if unit == "%" else unit).files):
         return array
     if not unit:
         raise ValueError(f"in {own[:30]} has a unit")
@@ -156,6 +159,31 @@ def spelling_of(value: object, unit: str) -> tuple[str, float]:
     """Give the unit of a value that `read` takes: its spelling, and its size in internal units."""
     match = _matches(_QUANTITY, value)
     return (own := match[2].strip(), float(_factor(own, unit))) if match else (unit, 1.0)
+
+
+def require_unit(text: object) -> str:
+    """Give a unit as a config spells it, "" for "1"; raises ValueError for an unknown one."""
+    if text == "1" or text in USUAL:
+        return "" if text == "1" else text
+    if not _matches(re.compile(_UNIT, re.ASCII), text):
+        raise ValueError(f"{show(text)} is not a unit; write one such as uN*us^3/um^3, or 1")
+    by_pint(text, text)
+    return text
+
+
+@cache
+def spelling(unit: str) -> Spelling:
+    """Spell a unit of a config; those that are not in SPELT as they are written."""
+    if unit in SPELT:
+        return SPELT[unit]
+    figures = re.sub(r" *(?:\^|\*\*) *(-?\d)", r"$^{\1}$", unit)
+    figures = re.sub(r"\bu(?=\w)", "µ", re.sub(r" *\* *", " ", figures))
+    page = re.sub(r"\$\^{(.*?)}\$", lambda power: power[1].translate(_RAISED), figures)
+    files = []
+    for before, name, power, digit in re.findall(_PART, unit):
+        power = int(power or {"²": 2, "³": 3}.get(digit, 1)) * (-1 if "/" in before else 1)
+        files.append(f"{name}{power}" if power != 1 else name)
+    return Spelling(" ".join(files), figures, page.replace(" ", "\u00a0"))
 
 
 def is_plain(value: object) -> bool:
@@ -225,7 +253,7 @@ def _convert(number, unit, target):
 
 def _factor(unit, target):
     """Give the size of a unit in units of `target`; a ValueError says what is wrong with it."""
-    usual = USUAL.get(target, {})
+    usual = USUAL.get(target, {target: "1"})
     return Decimal(usual[unit]) if unit in usual else by_pint(unit, target)
 
 
@@ -233,8 +261,8 @@ def _factor(unit, target):
 def by_pint(unit: str, target: str) -> Decimal:
     """Give the size of any unit in units of `target`, by pint; ValueError as of `_factor`."""
     registry = _registry()
-    wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
     try:
+        wanted, root_wanted = registry.get_root_units(registry.parse_units(target))
         parsed = registry.parse_units(f"1{unit}" if unit.startswith("/") else unit)
         factor, root = registry.get_root_units(parsed)
     except Exception:  # pint lets errors of a dozen types through

@@ -14,7 +14,7 @@ from typing_extensions import TypeAliasType
 from ...device.device import VALUES
 from ...files.text import plain, show
 from ...study.arguments import SingleStudy, pair_of
-from ...study.axes import COORDINATES
+from ...study.axes import attributes_of
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...values.faults import at_key
@@ -155,7 +155,7 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     profile = Profile(lambda u: likelihood.integrated(surface.at(u)), nodes)
     names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
     low, high = np.array([profile.interval(k, freedom) for k in range(len(names))]).T
-    unit = {"comment": ", ".join(f"{key}: {COORDINATES[key]['units']}" for key in names)}
+    unit = {"comment": ", ".join(f"{key}: {attributes_of(key)['units']}" for key in names)}
     data = {
         key: ("unknown", _rounded(surface.values(place)), unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
 from ...figures.plane import POINT, TRIPPED
-from ...figures.scales import WORDS, axis_label, number, scale_of, study_axis, tick
+from ...figures.scales import WORDS, axis_label, number, scale_of, study_axis, tick, unit_of
 from ...figures.style import PAGE, labelled, legend, literal, note_missing
 from ...numerics.statistics import DEVIATIONS
 
@@ -71,7 +71,7 @@ def calibration_text(data: xr.Dataset) -> str:
     """Write the estimates with their intervals, and the spread."""
     words = []
     for name in data.unknown.values:
-        unknown, (known_as, unit) = data.sel(unknown=name), WORDS[name]
+        unknown, (known_as, unit) = data.sel(unknown=name), (WORDS[name], unit_of(name))
         middle, low, high = (number(unknown[key].item()) for key in ("estimate", "low", "high"))
         words.append(f"{known_as} {middle} {unit} ({low} to {high})")
     spread = number(100 * data.spread.sel(bound="estimate").item(), 2)

@@ -38,7 +38,7 @@ class Datasheet(Application):
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
         from ..requirements.corners import read_verdicts
-        from .datasheet import DAMPER, datasheet
+        from .datasheet import datasheet
 
         verdicts = read_verdicts(requirements_path)
         with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
@@ -49,7 +49,7 @@ class Datasheet(Application):
                 shocks_of(study),
                 made=batches,
                 title=study.title,
-                damper=study.units.get("C", DAMPER),
+                damper=study.units.get("C", (study.unit_of_C, 1.0)),
                 source=study.source,
             )
             write_text(sheet, path)

@@ -16,11 +16,11 @@ from ...numerics.statistics import percents, scope
 from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import SECOND
-from ...study.axes import KIND_OF
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
+from ...values.damper import INTERNAL
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
@@ -34,7 +34,7 @@ UNITS = {
     "stress_max": ("tensile stress in the beam", "MPa"),
 }
 """Words and unit of each of `Extremes`."""
-DAMPER = KIND_OF["C"].unit, 1.0
+OF_LAWS = "not known under model.laws"
 OUTSIDE = "outside any package: not valid"
 """Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
 PICTURE = "![margins of the requirements](figures/requirements.png)\n"
@@ -47,7 +47,7 @@ def datasheet(
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     title: str = "",
-    damper: tuple[str, float] = DAMPER,
+    damper: tuple[str, float] = (INTERNAL, 1.0),
     source: Mapping | None = None,
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
@@ -78,7 +78,7 @@ def datasheet(
         if source:
             sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
-        sheets += [table([at_rest, "value"], _statics(device, of_device, damper))]
+        sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
         level = f"{plain(device.gravity * 1e6)} m/s^2"
         level = f"{device.force:g} uN on the midpoint" if device.force else level
         words = f"Thresholds in multiples of {level}, and over the required level, worst first:\n"
@@ -126,31 +126,38 @@ def _written(value):
     return str(value)
 
 
-def _statics(device, verdicts, damper):
-    unit, size = damper
-    path, beam = statics_of(device), device.beam
-    force, error = reset_force(beam)
-    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
-    yield ["force that snaps the beam", f"{path.largest_force.item():.5g} uN"]
-    yield ["force that resets it", resets]
-    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
-    yield ["travel of the midpoint to the second shape", travel]
-    if "hold_force" in path:
-        yield [
-            f"force on the electrode at {path.contact_at.item():g} um",
-            f"{path.hold_force.item():.5g} uN",
-        ]
-    yield ["first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"]
+def _at_rest(device, laws, verdicts, damper):
+    """Rows of what is known at rest and of slow shocks; of forces that are laws it is not."""
+    rows = dict(_of_beam(device))
+    if laws and laws.force:
+        rows = dict.fromkeys(rows, OF_LAWS)
+    yield from map(list, rows.items())
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
-    N = static_threshold(device)
-    yield ["slow shock that snaps it", f"above {N:.5g}; faster ones may snap it below"]
-    for C in sorted({row["C"] for row in verdicts}):
+    slow = f"above {static_threshold(device):.5g}; faster ones may snap it below"
+    yield ["slow shock that snaps it", OF_LAWS if laws else slow]
+    unit, size = damper
+    for C in sorted({row["C"] for row in verdicts}) if not laws else ():
         dwell = 2 / growth_rate(device, C * size)
         unknown = "not known: the law of slow shocks does not hold here"
         text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
         yield [f"time that a slow shock must last above it at C = {C:g} {unit}", text]
+
+
+def _of_beam(device):
+    """Pairs of what a beam has without a mass, and its value."""
+    path, beam = statics_of(device), device.beam
+    force, error = reset_force(beam)
+    resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
+    yield "force that snaps the beam", f"{path.largest_force.item():.5g} uN"
+    yield "force that resets it", resets
+    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
+    yield "travel of the midpoint to the second shape", travel
+    if "hold_force" in path:
+        at = f"force on the electrode at {path.contact_at.item():g} um"
+        yield at, f"{path.hold_force.item():.5g} uN"
+    yield "first frequency of the beam", f"{1e3 * natural_frequency(beam) / (2 * np.pi):.5g} kHz"
 
 
 def reset_force(beam: Beam) -> tuple[float, float]:

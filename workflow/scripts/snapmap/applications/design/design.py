@@ -15,7 +15,7 @@ from ...device.samples import nominal_value
 from ...files.text import plain, show
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy, pair_of
-from ...study.axes import COORDINATES, KIND_OF
+from ...study.axes import KIND_OF, attributes_of
 from ...study.shock import Shock, take_shock
 from ...study.study import ANY, Study
 from ...thresholds.population import thresholds_at
@@ -302,7 +302,7 @@ def _windows(look, value, grid, goals, N_first, error, met):
     ]
     if not windows:
         warnings.warn(_contradiction(value, grid, names, met), stacklevel=3)
-    attrs = COORDINATES[value]
+    attrs = attributes_of(value)
     data = {
         f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})
         for j, side in enumerate(("low", "high"))

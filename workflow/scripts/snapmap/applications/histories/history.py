@@ -99,7 +99,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         **device_sections(device),
         **study.shocks.section(),
         "model": section_of(study.model),
-        "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} uN*us/um"}],
+        "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} {study.unit_of_C}".strip()}],
     }
     optional, rest = {}, built.barrier.first + device.gap
     stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}

@@ -46,13 +46,16 @@ class Page(Application):
         """Write the page."""
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
+        from ...study.provenance import unit_of_C
+        from ...values.damper import damper_in
         from ..requirements.corners import read_verdicts
         from .figure import page  # brings Plotly
 
         with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
             verdicts = read_verdicts(requirements_path) if requirements_path else ()
             for name, arguments in figures.items():
-                text = page(cube, thresholds, **arguments, verdicts=verdicts)
+                with damper_in(unit_of_C(cube.attrs)):
+                    text = page(cube, thresholds, **arguments, verdicts=verdicts)
                 write_text(text, f"{folder}/{name}.html")
 
 

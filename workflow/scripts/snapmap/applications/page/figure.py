@@ -27,7 +27,7 @@ from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
-from ...values.units import SPELT, used
+from ...values.units import spelling, used
 from ..requirements.corners import badness, corner_text, end_text
 from .forms import LIMITS, NUMBERS, forms, pulses
 
@@ -181,8 +181,8 @@ def _plane(cells):
 
 def _axis(cells, key):
     """An axis for the page: places of its values, texts, unit and scale."""
-    (words, _), scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
-    unit = SPELT[KIND_OF[key].unit].page if key in KIND_OF else ""
+    words, scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
+    unit = spelling(KIND_OF[key].unit).page if key in KIND_OF else ""
     every = -(-scale.values.size // scales.SEVERAL)
     label = scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key]
     lead = f"{words} ".lstrip() if key in NAMES else f"{_typeset(words)} = "
@@ -250,7 +250,7 @@ def _vibration(device: Mapping, C: Sequence[float] | None):
 
 def _named(name):
     """Write the words for a value of the device, with its symbol, as HTML."""
-    words = scales.WORDS[name][0] if name in scales.WORDS else name.replace("_", " ")
+    words = scales.WORDS[name] if name in scales.WORDS else name.replace("_", " ")
     return f"{html.escape(words)} <i>{SYMBOLS[name]}</i>" if name in SYMBOLS else html.escape(words)
 
 

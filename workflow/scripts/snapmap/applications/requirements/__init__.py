@@ -99,18 +99,20 @@ class Requirements(Application):
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""
-        return {"requirements": {}}
+        return {"requirements": {"unit_of_C": study.unit_of_C}}
 
     def draw(self, figures: Figures, folder: str, requirements_path: str) -> None:
         """Draw the margin of each requirement, a row for each worst corner."""
         from ...figures import style
+        from ...values.damper import damper_in
         from .corners import corners, read_verdicts
         from .figure import draw_margins
 
         verdicts = read_verdicts(requirements_path)
         attributes = {"title": "Margins of required shocks"}
         height = 1.2 + 0.32 * len(corners(verdicts))
-        with style.saved(f"{folder}/requirements", attributes, height) as figure:
+        saved = style.saved(f"{folder}/requirements", attributes, height)
+        with saved as figure, damper_in(**figures["requirements"]):
             draw_margins(figure.subplots(), verdicts)
 
 

@@ -55,7 +55,7 @@ def statics(study: SingleStudy) -> xr.Dataset:
     Raises
     ------
     ValueError
-        One line, if the study has several devices.
+        One line, if the study has several devices, or a law in place of the beam's force.
 
     Examples
     --------
@@ -63,6 +63,8 @@ def statics(study: SingleStudy) -> xr.Dataset:
     >>> round(path.largest_force.item(), 2), round(path.least_force.item(), 2)
     (70.67, -32.54)
     """
+    if study.model.laws and study.model.laws.force:
+        raise ValueError("model.laws: force: statics are of the device's own beam; leave it out")
     return statics_of(study.device)
 
 

@@ -23,7 +23,7 @@ from ...numerics.portable import geometric
 from ...numerics.statistics import percents, scope, wilson
 from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Requirements
-from ...study.axes import COORDINATES, NAMES
+from ...study.axes import NAMES, attributes_of
 from ...study.shock import Shock, take_shock
 from ...study.study import ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
@@ -129,7 +129,7 @@ def tolerances_of(
     ]
     data = parts[0]
     if isinstance(study.device, Mapping):
-        names = xr.Variable("device", list(study.device), COORDINATES["device"])
+        names = xr.Variable("device", list(study.device), attributes_of("device"))
         data = xr.concat(parts, names, join="outer")
     for key in SHOCK_FACTORS:
         if f"{key}_factor" in data:

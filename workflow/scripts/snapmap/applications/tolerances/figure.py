@@ -149,7 +149,7 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
 def words_of(value: str) -> str:
     """Write the values that a draw changes: `thickness and depth`."""
     of_shock = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
-    return " and ".join(of_shock.get(key) or WORDS[key][0] for key in value.split("+"))
+    return " and ".join(of_shock.get(key) or WORDS[key] for key in value.split("+"))
 
 
 def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
