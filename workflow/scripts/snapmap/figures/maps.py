@@ -45,7 +45,8 @@ def draw_map(
     look = _time_look([cells]) if shows == "times" else {}
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
     ax.set_title(place_text(cells))
-    words = [style.case(cells.attrs, style.COLUMN), _numbered(names, style.COLUMN)]
+    width = style.signs(ax.get_figure())
+    words = [style.case(cells.attrs, width), _numbered(names, width)]
     style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
     _add_time_bar(ax.get_figure(), ax, field, look)
     return ax
@@ -161,7 +162,13 @@ def plot_outcome(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
-    return draw_map(ax or style.notebook_axes(), cells, thresholds, x, y, shows=shows)
+    axes = ax or style.notebook_axes()
+    _fill_map(axes, cells, thresholds, x, y, shows=shows)
+    if ax:  # in axes of the user's own size there is little room
+        _remove_durations(ax)
+    axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
+    style.legend(axes, _keys([cells], [axes], shows))
+    return axes
 
 
 def draw_maps(
@@ -201,8 +208,7 @@ def draw_maps(
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
-            for top in list(ax.child_axes):
-                top.remove()
+            _remove_durations(ax)
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
     words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
     drawn = axes.flat[: len(panels)]
@@ -218,7 +224,12 @@ def draw_maps(
     return axes
 
 
-def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
+def _remove_durations(ax):
+    for top in list(ax.child_axes):
+        top.remove()
+
+
+def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snaps", look=None):
     """Draw a map; returns its field of times, or None, and the names of its shocks by number."""
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
@@ -200,4 +201,5 @@ def number(value: float | str, digits: int = 4) -> str:
     if not math.isfinite(value):
         return "hard" if value == math.inf else "?"
     sign, size = "−" if value < 0 else "", plain(abs(value), digits)
-    return sign + (f"{float(size):,.0f}".replace(",", THIN) if FROM <= float(size) < 1e7 else size)
+    thin = r"\," if rcParams["text.usetex"] else THIN
+    return sign + (f"{float(size):,.0f}".replace(",", thin) if FROM <= float(size) < 1e7 else size)

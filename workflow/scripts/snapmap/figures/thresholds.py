@@ -34,7 +34,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
         keys.append(Patch(color="0.5", alpha=0.3, linewidth=0, label="some $N$ here do not snap"))
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
     style.note_missing(ax, surface.N_first, NONE_KNOWN)
-    style.legend(ax, keys, title(surface, style.PAGE))
+    style.legend(ax, keys, title(surface, style.signs(ax.get_figure())))
     return ax
 
 
@@ -107,11 +107,11 @@ def draw_threshold_map(ax: Axes, surface: xr.Dataset, x: str, y: str) -> Axes:
     crosses["label"] = f"error bar above {100 * DOUBTFUL:g} %"
     keys = ax.plot(across[0].places[i], across[1].places[j], **crosses) if i.size else []
     ax.set_title(scales.place_text(surface))
-    words, known = [style.case(surface.attrs, style.COLUMN)], 100 * relative[np.isfinite(relative)]
+    words, known = [style.case(surface.attrs, style.signs(ax.get_figure()))], 100 * relative[np.isfinite(relative)]
     if known.size:
         middle, most = (scales.number(error, 2) for error in (np.median(known), known.max()))
         words.append(f"error bars: median {middle} %, largest {most} %")
-    style.legend(ax, keys, "\n".join(filter(None, words)), 2)
     counted = style.multiples(surface.attrs)
     plane.colour_bar(ax, field, f"threshold: lowest $N$ that snaps ({counted})")
+    style.legend(ax, keys, "\n".join(filter(None, words)), 2)
     return ax

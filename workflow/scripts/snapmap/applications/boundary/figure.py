@@ -44,7 +44,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
         Patch(**SHADE, label=words),
     ]
     style.note_missing(ax, thresholds.N_first, NONE_KNOWN)
-    style.legend(ax, keys, title(thresholds, style.COLUMN), 2)
+    style.legend(ax, keys, title(thresholds, style.signs(ax.get_figure())), 2)
     return ax
 
 

@@ -224,7 +224,7 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     room = ROOM * (1 - least) or ROOM
     ax.set(xlim=(least - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
     style.note_missing(ax, shares, "no share of devices is known")
-    ax.set_xlabel(textwrap.fill(label, style.COLUMN * 2))
+    ax.set_xlabel(textwrap.fill(label, style.PAGE))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax
