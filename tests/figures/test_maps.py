@@ -14,7 +14,7 @@ from small_results import TINY, artists, legend_words, make_cells, make_found, v
 
 import snapmap
 from snapmap.config.points import Point, read_points
-from snapmap.figures import curves, maps, plane, style
+from snapmap.figures import curves, maps, plane, scales, style
 from snapmap.figures import states as S
 from snapmap.sweeps.cube import summary, with_summary
 
@@ -188,7 +188,8 @@ def test_a_map_has_the_threshold_in_its_band_dashed_where_late_and_marked_where_
     assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
     assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
     assert visible(dashed) == [[1000.0, 1100.0], [10000.0, 2000.0]]
-    assert visible(always) == [[10000.0, 2300.0]]
+    ends = [[10**3.5, 2300.0], [10**4.5, 2300.0]]  # halfway to its neighbours
+    np.testing.assert_allclose(visible(always), ends)
     (band,) = artists(ax, FillBetweenPolyCollection)
     corners = band.get_paths()[0].vertices
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
@@ -228,8 +229,10 @@ def test_points_and_shocks_stand_at_their_duration_where_that_is_the_axis():
 
 def test_what_snaps_always_is_marked_where_it_differs_by_more_than_the_error():
     found, apart = make_found().isel(C=0), xr.DataArray([7.0, 8.0, 300.0], dims="f0")
-    curves.draw_band(ax := axes(), np.arange(3.0), found.assign(N_always=found.N_first + apart))
-    assert visible(ax.lines[2]) == [[1.0, 1108.0], [2.0, 2300.0]]
+    scale = scales.scale_of("N", np.arange(3.0))
+    curves.draw_band(ax := axes(), scale, found.assign(N_always=found.N_first + apart))
+    steps = [[0.5, 1108.0], [1.5, 1108.0], [1.5, 2300.0], [2.5, 2300.0]]
+    assert visible(ax.lines[2]) == steps
 
 
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():

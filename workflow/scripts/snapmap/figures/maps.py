@@ -22,6 +22,8 @@ from .scales import place_text, scale_of, tick
 
 RATIO = 0.72
 """Height over width of the axes of a map."""
+MOST_COLUMNS = 4
+"""Most maps side by side."""
 
 
 def draw_map(
@@ -184,7 +186,7 @@ def draw_maps(
     panels: cells, thresholds or None, and required shocks of each map, as for `draw_map`
     Sets the height of the figure. Returns the axes, (rows, columns), None where there is no map.
     """
-    columns = 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else 4
+    columns = _columns([cells for cells, *_ in panels])
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, *_ in panels]
@@ -224,6 +226,16 @@ def draw_maps(
     return axes
 
 
+def _columns(panels):
+    """Choose the number of panels side by side: of two axes one has the rows, one the columns."""
+    keys = [key for key in panels[0].coords if panels[0][key].ndim == 0]
+    sizes = [len({panel[key].item() for panel in panels}) for key in keys]
+    several = [size for size in sizes if size > 1]
+    if len(several) == 2 and np.prod(several) == len(panels) and several[1] <= MOST_COLUMNS:
+        return several[1]
+    return 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else MOST_COLUMNS
+
+
 def _remove_durations(ax):
     for top in list(ax.child_axes):
         top.remove()
@@ -244,8 +256,11 @@ def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snap
         plane.hatch(ax, cells.stress_share >= 1, *across, plane.BREAKS)
     plane.freeze(ax)
     if thresholds is not None and y == "N":
-        thresholds = thresholds.sortby(x) if thresholds[x].dtype.kind in "fiu" else thresholds
-        draw_band(ax, scale_of(x, thresholds[x].values).places, thresholds)
+        if across[0].is_counted:
+            thresholds = thresholds.reindex({x: across[0].values})
+            thresholds = thresholds.assign_coords({x: across[0].places})
+        thresholds = thresholds.sortby(x)
+        draw_band(ax, scale_of(x, thresholds[x].values), thresholds)
         draw_static(ax, thresholds, x, "black")
         if x == "f0":
             draw_impulsive(ax, thresholds, "black")

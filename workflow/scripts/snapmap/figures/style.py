@@ -39,7 +39,7 @@ PAGE = 130
 SIGN = 0.62
 """Width of a sign over the size of its font, on average, with some room to spare."""
 SMALLEST, HIGHEST = 5.0, 1 / 3
-"""Least size of letters that is chosen, pt, and largest height of a legend over that of a figure."""
+"""Least size of letters that is chosen, pt, and largest share of the height for a legend."""
 GAP = 0.05
 """Distance between the labels of axes and the legend below them, in."""
 SPECIAL = re.compile(r"(?<!\\)[%&#]")
@@ -113,6 +113,9 @@ def _is_seen(ax, artist):
     """Tell whether part of an artist lies within its axes."""
     drawn = artist[0] if isinstance(artist, Container) else artist
     paths = drawn.get_paths() if isinstance(drawn, Collection) else [drawn.get_path()]
+    if isinstance(drawn, Line2D) and drawn.get_linestyle() != "None" and len(paths[0]) > 1:
+        line = drawn.get_transform().transform_path(paths[0])
+        return line.intersects_bbox(ax.bbox, filled=False)
     points = np.concatenate([np.empty((0, 2)), *(path.vertices for path in paths)])
     points = drawn.get_transform().transform(points[np.isfinite(points).all(axis=1)])
     return points.size > 0 and Bbox([points.min(0), points.max(0)]).overlaps(ax.bbox)
@@ -183,9 +186,14 @@ def _fitting_legend(where, parts, ncols, highest):
         shares.append(min(where.bbox.width / box.width, highest / box.height, 1))
         made.remove()
     columns = ncols - int(np.argmax(shares[::-1]))  # the flattest of equals
-    small = max(size * shares[columns - 1], min(size, SMALLEST))
-    letters = {"fontsize": small, "title_fontsize": points("legend.title_fontsize") * small / size}
-    return where.legend(**parts, **letters, ncols=columns)
+    title, least, share = points("legend.title_fontsize") / size, min(size, SMALLEST), max(shares)
+    while True:  # small letters of LaTeX are wider than their size tells
+        size = max(size * share, least)
+        made = where.legend(**parts, fontsize=size, title_fontsize=size * title, ncols=columns)
+        share = where.bbox.width / made.get_window_extent().width
+        if share >= 1 or size == least:
+            return made
+        made.remove()
 
 
 def _fit_labels(ax, which, side):
