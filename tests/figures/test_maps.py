@@ -171,6 +171,23 @@ def test_a_map_of_times_shows_the_snap_times_and_grey_elsewhere(last, unit, time
     assert unit in ax.figure.axes[1].get_xlabel()
 
 
+def test_maps_of_several_axes_lie_in_rows_and_columns():
+    """A column has one value of an axis, and each row one of the others."""
+    for sizes, columns in (((3, 2), 3), ((2, 3), 3), ((2, 3, 2), 3), ((2, 2), 2), ((1, 4, 2), 4)):
+        keys = ("device", "temperature", "C")[: len(sizes)]
+        points = [*itertools.product(*(map(float, range(size)) for size in sizes))]
+        cells = [TINY.assign_coords(dict(zip(keys, point, strict=True))) for point in points]
+        panels, across = maps._in_columns([(part, None, ()) for part in cells])
+        assert across == columns
+        grid = np.array([[part[key].item() for key in keys] for part, *_ in panels])
+        assert {*map(tuple, grid.tolist())} == {*points}
+        grid = grid.reshape(-1, columns, len(keys))
+        in_columns, in_rows = (grid == grid[:1]).all((0, 1)), (grid == grid[:, :1]).all((0, 1))
+        assert (in_columns | in_rows).all()
+    others = [(TINY.assign_coords(C=float(C)), None, ()) for C in range(5)]
+    assert maps._in_columns(others) == (others, 3)
+
+
 def test_panels_of_times_share_their_colours_and_one_bar():
     panels = [
         (TINY.assign(t_snap=TINY.t_snap * factor).assign_coords(C=C), None, ())

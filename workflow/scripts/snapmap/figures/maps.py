@@ -23,7 +23,7 @@ from .scales import place_text, scale_of, tick
 RATIO = 0.72
 """Height over width of the axes of a map."""
 MOST_COLUMNS = 4
-"""Most maps side by side."""
+"""Most maps side by side, and most below each other where axes have rows and columns."""
 
 
 def draw_map(
@@ -186,7 +186,7 @@ def draw_maps(
     panels: cells, thresholds or None, and required shocks of each map, as for `draw_map`
     Sets the height of the figure. Returns the axes, (rows, columns), None where there is no map.
     """
-    columns = _columns([cells for cells, *_ in panels])
+    panels, columns = _in_columns(panels)
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, *_ in panels]
@@ -226,14 +226,24 @@ def draw_maps(
     return axes
 
 
-def _columns(panels):
-    """Choose the number of panels side by side: of two axes one has the rows, one the columns."""
-    keys = [key for key in panels[0].coords if panels[0][key].ndim == 0]
-    sizes = [len({panel[key].item() for panel in panels}) for key in keys]
-    several = [size for size in sizes if size > 1]
-    if len(several) == 2 and np.prod(several) == len(panels) and several[1] <= MOST_COLUMNS:
-        return several[1]
-    return 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else MOST_COLUMNS
+def _in_columns(panels):
+    """Order maps in rows and columns, so that a column has one value of an axis.
+
+    Returns the maps and the number of columns.
+    """
+    cells = [cells for cells, *_ in panels]
+    alone = [key for key in cells[0].coords if cells[0][key].ndim == 0]
+    values = {key: [part[key].item() for part in cells] for key in alone}
+    sizes = {key: len({*those}) for key, those in values.items() if len({*those}) > 1}
+    rows = {key: len(panels) / size for key, size in sizes.items() if size <= MOST_COLUMNS}
+    fitting = [key for key in rows if 1 < rows[key] <= MOST_COLUMNS]
+    if not fitting or np.prod([*sizes.values()]) != len(panels):
+        few = {1: 2, 2: 2, 4: 2, 3: 3, 5: 3, 6: 3, 9: 3}
+        return panels, few.get(len(panels), MOST_COLUMNS)
+    across = max(reversed(fitting), key=sizes.get)
+    order = list(dict.fromkeys(values[across]))
+    turn = sorted(range(len(panels)), key=lambda i: order.index(values[across][i]))
+    return [panels[i] for i in np.reshape(turn, (len(order), -1)).T.flat], len(order)
 
 
 def _remove_durations(ax):

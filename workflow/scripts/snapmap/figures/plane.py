@@ -116,8 +116,9 @@ def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Itera
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
-    """Add a colour bar, below the only axes of a figure, or else beside axes."""
-    place = "bottom" if style.is_alone(ax) else "right"
+    """Add a colour bar, below the only axes of a figure that is not wide, or else beside axes."""
+    width, height = ax.get_figure().bbox.size
+    place = "bottom" if style.is_alone(ax) and height >= width else "right"
     style.engine_of(ax.get_figure())  # which cannot place a bar that is older than itself
     return ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
 
