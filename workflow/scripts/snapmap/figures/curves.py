@@ -152,7 +152,8 @@ def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> 
 def limit_look(limit: str, colour: str, place: int) -> dict:
     """Give the look of LONG or SHORT of a line; place: index of the line."""
     dashes = (0, DASHES[limit] + DOT * (place + 1))
-    return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5, **HALO}
+    look = {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
+    return look | (HALO if colour == "black" else {})  # on a map, and in its legend on any paper
 
 
 def velocity_change(curve: xr.Dataset) -> xr.DataArray:
