@@ -11,7 +11,6 @@ from matplotlib.patheffects import withStroke
 
 from ..files.text import plain
 from ..numerics.portable import evenly
-from ..thresholds.slow import HOLDS
 from .scales import Scale, scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
@@ -133,11 +132,6 @@ def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), label=f"{LONG}, $N$ = {plain(static.item())}", **look)
-
-
-def holding(law: xr.DataArray, thresholds: xr.Dataset) -> xr.DataArray:
-    """Give the amplitudes of a law where it is within HOLDS of the threshold; NaN elsewhere."""
-    return law.where(abs(law / thresholds.N_first - 1) <= HOLDS)
 
 
 def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> None:
