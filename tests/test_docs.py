@@ -89,6 +89,7 @@ def hide_picture(output):
 def test_the_notebook_stores_what_it_gives_today(root, tmp_path, monkeypatch):
     """Texts and numbers; pictures in kind. Figures name their axes; drag and thresholds hold."""
     plt.switch_backend("agg")
+    plt.close("all")
     monkeypatch.chdir(tmp_path)
     path = root / "examples" / "first_steps.ipynb"
     stored, today, names = nbformat.read(path, 4), nbformat.read(path, 4), {}
