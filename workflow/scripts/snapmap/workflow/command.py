@@ -20,8 +20,8 @@ CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
 MORE = (
-    "All other options and targets are those of Snakemake: -n lists the jobs, and how many cells are "
-    "new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
+    "All other options and targets are those of Snakemake: -n tells the jobs, and how many cells"
+    " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
 )
 """What `snapmap run --help` ends with."""
 SEARCH = 750
@@ -33,22 +33,21 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     verbs = parser.add_subparsers(required=True)
-    for do, what, more in (
-        (init, "write a first config, with comments", ""),
-        (check, "report errors, warnings and cost of a config", ""),
-        (run, "compute the results of a config, in results/ of the current folder", MORE),
-    ):
-        about = f"{what.capitalize()}."
-        verb = verbs.add_parser(do.__name__, help=what, description=about, epilog=more)
+
+    def add(do, what, *, name, about, more="", **options):
+        words = {"help": what, "description": f"{what.capitalize()}.", "epilog": more}
+        verb = verbs.add_parser(do.__name__, **words)
+        verb.add_argument(name, type=Path, help=about, **options)
         verb.set_defaults(do=do)
-        if do is init:
-            verb.add_argument(
-                "folder", nargs="?", default=".", type=Path, help="for it; by default this one"
-            )
-        else:
-            verb.add_argument("config", type=Path, help="YAML file of a study; init writes one")
+        return verb
+
+    where = {"name": "folder", "about": "for it; by default this one", "nargs": "?", "default": "."}
+    add(init, "write a first config, with comments", **where)
+    study = {"name": "config", "about": "YAML file of a study; init writes one"}
+    add(check, "report errors, warnings and cost of a config", **study)
+    what = "compute the results of a config, in results/ of the current folder"
     cores = "number of cores; all by default, or as a --profile says"
-    verb.add_argument("--cores", metavar="N", help=cores)
+    add(run, what, more=MORE, **study).add_argument("--cores", metavar="N", help=cores)
     known, others = parser.parse_known_args(words)
     values = vars(known)
     if known.do is run:
