@@ -58,9 +58,7 @@ ELSEWHERE = {
     "test_check_says_what_a_config_describes_doubts_and_costs": [
         *("snapmap check mine.yaml", "snapmap check sensor.yaml")
     ],
-    "test_init_writes_the_config_that_there_is_and_nothing_over_another": [
-        *("snapmap init", "snapmap init mine")
-    ],
+    "test_init_writes_the_config_that_there_is_and_nothing_over_another": ["snapmap init"],
     "test_the_command_says_its_version": ["snapmap --version"],
     "test_a_dry_run_of_a_grown_grid_counts_the_new_cells": ["snapmap run mine.yaml -n"],
     "test_the_notebook_stores_what_it_gives_today": ["python docs/make_notebook.py"],
