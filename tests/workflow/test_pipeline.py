@@ -21,10 +21,11 @@ from snapmap.applications import attached, gather, window
 from snapmap.config.study import load_config
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.study.provenance import hash_numbers
+from snapmap.study.provenance import NUMBERS, code_hash
 from snapmap.workflow.made import HEAD, LIST, hash_of, list_made
 from snapmap.workflow.products import choose_views
 
+JOBS = "workflow/scripts/jobs.py"
 DRAWING = {"draw_study", "draw_histories"}
 RULES = {"simulate_all", "find_threshold", "find_stress", "simulate_histories"} | DRAWING
 OLD = ["results/datasheet.md", "results/figures/window.pdf", "results/window.nc"]
@@ -395,9 +396,10 @@ def test_another_grid_makes_the_cube_anew_and_a_large_one_in_slabs(clone, finish
     assert large["simulate_slab"] >= 2 and large["collect"] == 1 and "simulate_all" not in large
 
 
-def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(clone, copied, monkeypatch):
+def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(root, clone, copied, monkeypatch):
     """All of a small one; of a large one those of slabs that are not there as this study's."""
-    folder, config = copied
+    folder, _ = copied
+    config = folder / "grown.yaml"
 
     def counted(text, *targets):
         config.write_text(text)
@@ -415,7 +417,7 @@ def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(clone, copied, monkeypat
     path.parent.mkdir(exist_ok=True)
     path.write_text("a slab")
     assert counted(large)[0] == [cells, 0, cells], "it is on no list"
-    (numbers,) = hash_numbers(clone / "workflow" / "scripts" / "jobs.py").values()
+    numbers = code_hash(*(clone / path.relative_to(root) for path in NUMBERS), clone / JOBS)
     monkeypatch.chdir(folder)
     list_made("results", {f"results/slabs/{name}.nc": hash_of(numbers, name)})
     cells, there, new = counted(large)[0]

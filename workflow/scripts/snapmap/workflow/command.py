@@ -19,7 +19,7 @@ PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if p
 CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
-MORE = (
+OTHERS = (
     "All other options and targets are those of Snakemake: -n tells the jobs, and how many cells"
     " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
 )
@@ -33,21 +33,19 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     verbs = parser.add_subparsers(required=True)
-
-    def add(do, what, *, name, about, more="", **options):
-        words = {"help": what, "description": f"{what.capitalize()}.", "epilog": more}
-        verb = verbs.add_parser(do.__name__, **words)
-        verb.add_argument(name, type=Path, help=about, **options)
+    for do, what in (
+        (init, "write a first config, with comments"),
+        (check, "report errors, warnings and cost of a config"),
+        (run, "compute the results of a config, in results/ of the current folder"),
+    ):
+        verb = verbs.add_parser(do.__name__, help=what, description=f"{what.capitalize()}.")
         verb.set_defaults(do=do)
-        return verb
-
-    where = {"name": "folder", "about": "for it; by default this one", "nargs": "?", "default": "."}
-    add(init, "write a first config, with comments", **where)
-    study = {"name": "config", "about": "YAML file of a study; init writes one"}
-    add(check, "report errors, warnings and cost of a config", **study)
-    what = "compute the results of a config, in results/ of the current folder"
-    cores = "number of cores; all by default, or as a --profile says"
-    add(run, what, more=MORE, **study).add_argument("--cores", metavar="N", help=cores)
+        if do is init:
+            verb.add_argument("folder", nargs="?", default=".", type=Path, help="of the config")
+        else:
+            verb.add_argument("config", type=Path, help="YAML file of a study; init writes one")
+    verb.epilog = OTHERS
+    verb.add_argument("--cores", help="number of cores; all by default, or as a --profile says")
     known, others = parser.parse_known_args(words)
     values = vars(known)
     if known.do is run:
