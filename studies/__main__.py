@@ -5,8 +5,11 @@ import sys
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
-    *("validation", "speed", "laws", "laws_speed", "impacts"),
+    *("convergence", "labels", "validation", "measured", "laws", "laws_speed", "peers"),
+    *("clamps", "limits", "islands", "calibration", "impacts"),
 )
+SLOW = ("coverage", "steps")
+"""Studies that take more than ten minutes of a processor."""
 
 
 def main() -> None:

@@ -1,13 +1,11 @@
-"""Speed against error as a work-precision diagram, for docs/accuracy.md and the README's figure.
+"""Speed against error as a work-precision diagram, for docs/accuracy.md.
 
 ./run python -m studies accuracy [--device SECTION] [--small]
 
-Writes results/accuracy.csv, results/accuracy.md and results/figures/accuracy.pdf and .png. The
-comparison includes SciPy.
+Also draws results/figures/accuracy.pdf and .png. The study `peers` has other solvers.
 """
 
 from collections.abc import Iterator, Sequence
-from datetime import date
 from functools import partial
 from typing import NamedTuple
 
@@ -18,7 +16,7 @@ from matplotlib.axes import Axes
 from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.figures import style
-from snapmap.files.text import DASH, table
+from snapmap.files.text import DASH
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
@@ -30,13 +28,13 @@ from .common import (
     cpu_seconds,
     few,
     is_small,
-    machine,
     number,
     ratio,
     results,
     threshold_near,
 )
-from .scipy_solver import TOLERANCE, Follow, by_scipy
+from .peers.equations import Follow
+from .tables import Table, write
 
 SPEEDS = {"slow": (0.02, 0.1), "fast": (0.5, 6.0)}
 """Ranges of pulse frequencies, over the device's own frequency."""
@@ -60,14 +58,12 @@ AGREED, RESOLVED, NEAR = 1e-4, 1e-3 if is_small() else 1e-7, 1.04
 within which they are searched."""
 MAP = np.linspace(0.6, 1.8, 33)
 """Amplitudes of the timed cells, over the threshold; slow solvers get every fourth."""
-STRIDE, FEWER = 6, 30
-"""Strides through the posed rows for the plain loop and for SciPy. SciPy skips slow pulses, as a
-cell takes it half a minute there, against seconds for a fast pulse."""
-ROUNDS = 3
+STRIDE = 6
+"""Stride through the posed rows for the plain loop."""
+ROUNDS, ERRORS = 3, ("median", "90 %", "largest")
 SETTINGS = Run(repeat=False).but(until="edge")
 LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
 LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
-LOOKS |= {"SciPy DOP853": ("0.4", "X")}
 
 
 class Posed(NamedTuple):
@@ -94,7 +90,6 @@ class Entry(NamedTuple):
     edge: Follow
     timed: Follow
     stride: int = 1
-    speeds: tuple[str, ...] = tuple(SPEEDS)
 
 
 def main() -> None:
@@ -102,21 +97,17 @@ def main() -> None:
     points = pd.DataFrame(
         point for speed, ends in SPEEDS.items() for point in measure(device, speed, ends)
     )
-    points.to_csv(results("accuracy.csv"), index=False)
-    results("accuracy.md").write_text(report(points), encoding="utf-8")
     with style.paper():
         figure = style.double_column(height=3.4)
         draw(figure.subplots(1, len(SPEEDS), sharey=True), points)
         style.save(figure, results("figures/accuracy"), {"title": "Speed against error"})
-    print(report(points))
+    write("accuracy", all_points(points), default_points(points), gains(points))
 
 
 def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[dict]:
     """Yield a point for each entry: the spread of its error over the posed rows, and its speed."""
     posed = find_posed(device, few(np.geomspace(*ends, F0_COUNT)[::-1], 1), few(DAMPINGS))
     for entry in entries(device):
-        if speed not in entry.speeds:
-            continue
         rows, is_slow = posed.every(entry.stride), entry.stride > 1
         error = abs(edge(device, entry.edge, rows) / rows.N - 1)
         N = rows.N[:, np.newaxis] * few(MAP[:: 4 if is_slow else 1], 5)
@@ -139,7 +130,7 @@ def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[d
 
 
 def entries(device: Device) -> Iterator[Entry]:
-    """Yield our models at each step, then the solvers that users would take instead."""
+    """Yield our models at each step, then the handout's plain loop."""
     ladder = few(FACTORS, 2)
     for factor in ladder:
         levels = build_adaptive(device).with_step(factor)
@@ -150,19 +141,11 @@ def entries(device: Device) -> Iterator[Entry]:
             yield Entry(name, f"{factor:g}", follow, follow)
     plain = by_model(build_model(device, Reference()))
     yield Entry(PLAIN, "0.8 of its limit", plain, plain, STRIDE)
-    modal = build_model(device, Elements()).modal
-    follow = flattened(by_scipy(device, modal, "DOP853"))
-    yield Entry("SciPy DOP853", f"{TOLERANCE:g}", follow, follow, FEWER, ("fast",))
 
 
 def by_model(model: Model) -> Follow:
     """Follow cells as thresholds do."""
     return lambda cells: model.follow(cells, SETTINGS).t_snap
-
-
-def flattened(follow: Follow) -> Follow:
-    """Make a function of cells (n,) one of cells of any shape."""
-    return lambda cells: follow(cells.flat()).reshape(cells.f0.shape)
 
 
 def cells_of(device: Device, rows: Posed, N: np.ndarray) -> Cells:
@@ -201,40 +184,58 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
 
     many, fewer = (5, 3) if is_small() else (REFERENCE, COARSER)
     finest = refer(many, FINE)
-    of_modes = abs(finest / refer(fewer, FINE) - 1) / ((many / fewer) ** 4 - 1)
+    of_modes = abs(finest / refer(fewer, FINE) - 1) / ((many / fewer) ** 3 - 1)
     of_steps = abs(finest / refer(many, 2 * FINE) - 1) / 3
     error = of_modes + of_steps + RESOLVED
     posed = error < (np.inf if is_small() else AGREED)
     return Posed(*(column[posed] for column in near._replace(N=finest, error=error)))
 
 
-def report(points: pd.DataFrame) -> str:
-    """Write all points, and the speed of `auto` over that of others at equal error, in Markdown."""
-    percent = ["median", "90 %", "largest"]
-    head = ["pulses", "model", "step or tolerance", "rows", *percent, "simulations/s"]
+def all_points(points: pd.DataFrame) -> Table:
+    """Make a table of all points; errors in per cent, that of the reference in the last column."""
+    head = ["pulses", "model", "step or tolerance", "rows", *(f"{key}, %" for key in ERRORS)]
     rows = [
-        [p["pulses"], p["model"], p["setting"], str(p["rows"])]
-        + [f"{number(100 * p[key])} %" if p[key] == p[key] else DASH for key in percent]
-        + [number(p["simulations/s"])]
+        [*(str(p[key]) for key in ("pulses", "model", "setting", "rows")), *written(p, ERRORS)]
         for p in points.to_dict("records")
     ]
-    errors = points.groupby("pulses", sort=False)["reference"].first()
-    facts = "; ".join(f"{speed} {number(100 * error)} %" for speed, error in errors.items())
-    gains = [
+    return Table("accuracy", [*head, "simulations/s", "reference, %"], rows)
+
+
+def default_points(points: pd.DataFrame) -> Table:
+    """Make a table of the points at the default steps, a row for each model."""
+    columns = ["rows", "median, %", "90 %, %", "simulations/s"]
+    head = ["model", *(f"{speed}: {column}" for speed in SPEEDS for column in columns)]
+    default = points[~points.setting.isin([f"{factor:g}" for factor in FACTORS if factor != 1])]
+    rows = []
+    for name in dict.fromkeys(default.model):
+        row = [name]
+        for speed in SPEEDS:
+            at = default[(default.model == name) & (default.pulses == speed)].to_dict("records")
+            for p in at[:1]:
+                row += [str(p["rows"]), *written(p, ["median", "90 %"])[:3]]
+            row += [DASH] * 4 * (not at)
+        rows.append(row)
+    return Table("accuracy_default", head, rows)
+
+
+def written(point: dict, errors: Sequence[str]) -> list[str]:
+    """Write errors of a point in per cent, its speed, and the error of the reference."""
+    known = (number(100 * point[key]) if point[key] == point[key] else DASH for key in errors)
+    return [*known, number(point["simulations/s"]), number(100 * point["reference"])]
+
+
+def gains(points: pd.DataFrame) -> Table:
+    """Make a table of the speed of `auto` over that of others at equal error."""
+    rows = [
         [name, *(gain(points[points.pulses == speed], name) for speed in SPEEDS)]
         for name in dict.fromkeys(points.model)
         if name != "auto"
     ]
-    return (
-        f"{machine()}, one thread, CPU time, least of {few(ROUNDS)}; {date.today()}; "
-        f"`./run python -m studies accuracy`.\n"
-        f"Error of the reference (90 % of rows): {facts}.\n\n{table(head, rows)}\n"
-        f"{table(['speed of `auto` over', *SPEEDS], gains)}"
-    )
+    return Table("accuracy_gains", ["than", *(f"{speed} pulses" for speed in SPEEDS)], rows)
 
 
 def gain(points: pd.DataFrame, name: str) -> str:
-    """Write the speed of `auto` over that of a model at equal median error: median (range)."""
+    """Write the speed of `auto` over that of a model at equal median error, over their errors."""
     auto, other = (front(points[points.model == model]) for model in ("auto", name))
     if not (auto.size and other.size):
         return DASH
@@ -242,7 +243,7 @@ def gain(points: pd.DataFrame, name: str) -> str:
     high = min(auto[0, -1], other[0, -1]) if other.shape[1] > 1 else low
     errors = np.log(np.geomspace(low, max(low, high), 9))
     times = np.exp(np.interp(errors, *np.log(auto))) / np.exp(np.interp(errors, *np.log(other)))
-    return f"{ratio(np.median(times))} ({ratio(times.min())} to {ratio(times.max())})"
+    return ratio(np.median(times))
 
 
 def front(points: pd.DataFrame) -> np.ndarray:

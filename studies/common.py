@@ -19,6 +19,7 @@ import numpy as np
 from snapmap import load_device
 from snapmap.config.devices import read_device
 from snapmap.device.device import Device
+from snapmap.files.text import plain
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
 from snapmap.thresholds.probe import refine
@@ -116,8 +117,8 @@ def machine() -> str:
 
 
 def number(value: float) -> str:
-    """Write three significant digits, with spaces between thousands: 5 140, 0.61."""
-    return f"{float(f'{value:.3g}'):,}".removesuffix(".0").replace(",", " ")
+    """Write three significant digits."""
+    return plain(value, 3)
 
 
 def rate(count: int, seconds: float) -> str:

@@ -11,7 +11,6 @@ import numpy as np
 from snapmap import load_device
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
-from snapmap.files.text import table
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
@@ -25,8 +24,9 @@ from snapmap.thresholds.search import scan_upwards
 
 from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
+from .tables import Table, write
 
-SEED, DEVICES, COSINES, THREADS = 5, 24, 7, 2
+SEED, DEVICES, COSINES = 5, 24, 7
 DEFAULT = "default"
 RULES = {
     DEFAULT: {},
@@ -68,13 +68,17 @@ CONTACTS = (40.0, 400.0, np.inf)
 
 def main():
     warnings.simplefilter("ignore")
-    print(table(["steps", *HEAD, *HEAD[:-1]], edges()))
-    print(table(["steps, pressed on a hard contact", *HEAD], pressed()))
-    print(table(["slow pulses", "steps", *HEAD], slow()))
-    print(table(["contact, N/m", *(f"{turn:g}" for turn in few(STAYS))], stays()))
+    of_devices = [f"{of}: {key}" for of in ("random devices", "handout's") for key in HEAD]
+    write(
+        "steps",
+        Table("steps", ["steps", *of_devices[:-1]], [*edges()]),
+        Table("steps_pressed", ["steps, pressed on a hard contact", *HEAD], [*pressed()]),
+        Table("steps_slow", ["slow pulses", "steps", *HEAD], [*slow()]),
+        Table("steps_stays", ["contact, N/m", *(f"{turn:g}" for turn in STAYS)], [*stays()]),
+    )
 
 
-HEAD = ["rows", "median", "90 %", "largest", "no threshold near"]
+HEAD = ["rows", "median, %", "90 %, %", "largest, %", "no threshold near"]
 
 
 def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
@@ -99,7 +103,7 @@ def edges():
         errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
     device = load_device(ROOT / "config" / "config.yaml")
     rows = to_rows(0, few(F0), C[:, np.newaxis])
-    of_handout = errors_of_rows(device, rows, Run(threads=THREADS))
+    of_handout = errors_of_rows(device, rows, Run())
     of_random = np.concatenate(errors, axis=1)
     for name, random, handout in zip(few(RULES), of_random, of_handout, strict=True):
         yield [name, *_spread(random), *_spread(handout)[:-1]]
@@ -131,7 +135,7 @@ def _spread(errors):
     """Number of rows, quantiles of their errors, and number of rows without a threshold near."""
     off = abs(errors[np.isfinite(errors)])
     spread = np.quantile(off, [0.5, 0.9, 1.0]) if off.size else np.full(3, np.nan)
-    shown = [f"{number(100 * value)} %" for value in spread]
+    shown = [number(100 * value) for value in spread]
     return [str(errors.size), *shown, str(np.sum(np.isnan(errors)))]
 
 
@@ -143,7 +147,7 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Run(horizon, threads=THREADS), rules)
+    return errors_of_rows(device, rows, Run(horizon), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):
@@ -169,7 +173,7 @@ def errors_of_rows(device, rows, settings, rules=RULES):
 def stays():
     """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
-    settings = Run(6000.0, threads=THREADS)
+    settings = Run(6000.0)
     device = load_device(ROOT / "config" / "config.yaml")
     beam = replace(device.beam, damping=1e-3)
     for contact in few(CONTACTS):

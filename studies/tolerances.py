@@ -4,30 +4,28 @@
 """
 
 from snapmap import Study, load_device, tolerance
-from snapmap.files.text import table
 
 from .common import ROOT, few
+from .tables import Table, write
 
 SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
 SCATTERS |= {"mass": "1 %", "spring": "3 %", "N": "2 %"}
 """Standard deviations, um or shares; half the width of a uniform distribution."""
 F0, C = [500.0, 1500.0, 15000.0], [25.0]
-THREADS = 2
 
 
 def main():
     device = load_device(ROOT / "config" / "config.yaml")
-    print(indices(device), distribution(device), sep="\n")
+    write("tolerances", indices(device), distribution(device))
 
 
 def sampled(device, **options):
     """Find the thresholds of samples of the device, without the axis C."""
-    study = Study(device, run={"threads": THREADS})
-    return tolerance(study, SCATTERS, few(F0), C, **options).squeeze("C")
+    return tolerance(Study(device), SCATTERS, few(F0), C, **options).squeeze("C")
 
 
 def indices(device):
-    """Write the total index of each value, with its bounds."""
+    """Make a table of the total index of each value, with its bounds."""
     batch = sampled(device, samples=few(1024, 16)).sel(order="total")
     rows = []
     for value in batch.value.values:
@@ -35,11 +33,11 @@ def indices(device):
         middle = batch.sensitivity.sel(value=value).values
         cells = (f"{m:.2f} ({a:.2f} to {b:.2f})" for m, (a, b) in zip(middle, ends, strict=True))
         rows.append([str(value), *cells])
-    return table(["value", *(f"{f0:g} Hz" for f0 in few(F0))], rows)
+    return Table("tolerances_indices", ["value", *(f"{f0:g} Hz" for f0 in F0)], rows)
 
 
 def distribution(device):
-    """Write mean, standard deviation and quantiles of thresholds."""
+    """Make a table of mean, standard deviation and quantiles of thresholds."""
     batch = sampled(device, samples=few(4096, 16), index_samples=16)
     rows = []
     for f0 in few(F0):
@@ -50,7 +48,7 @@ def distribution(device):
         nominal, mean, *ends = (f"{value:.0f}" for value in values)
         rows.append([f"{f0:g}", nominal, mean, f"{spread:.1%}", *ends])
     head = ["f0, Hz", "nominal", "mean", "standard deviation", "1 % snap at", "99 % snap at"]
-    return table(head, rows)
+    return Table("tolerances_thresholds", head, rows)
 
 
 if __name__ == "__main__":

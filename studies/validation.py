@@ -1,4 +1,4 @@
-"""Print the first part of docs/validation.md: closed forms, published values, another solver.
+"""The tables of docs/validation.md: closed forms, published values, another solver.
 
 ./run python -m studies validation
 """
@@ -14,10 +14,8 @@ from snapmap import Study, load_device, simulate, statics, sweep
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
-from snapmap.beam.modal import buckling, contact_stiffness
-from snapmap.files.text import table
+from snapmap.beam.modal import buckling
 from snapmap.numerics.linalg import apply, eigh
-from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
@@ -25,68 +23,20 @@ from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .common import ROOT, bending_limit, few, stepped
+from .elastica import corners
+from .peers.equations import equations_of
+from .peers.scipy_ivp import compile_rate
+from .tables import Table, write
 
 HEAD = ["what", "reference", "ours", "difference"]
-STEPS = "default steps", "small steps"
+SHALLOW = ["rise/span", "largest force", "ours, %", "least force", "ours, %"]
+SHALLOW += ["static threshold", "ours, %"]
+SCALES = 1, 3, 6
+"""Rise and thickness over the handout's, of beams with the same shallow equations."""
 LARGE_Q = 300.0
 F0, C = 1500.0, 25.0
 TOLERANCE = 1e-9
 """Relative tolerance of the other integrator."""
-TEXT = """\
-# Validation
-
-With this page you can judge whether snapmap solves its equations, and what these equations leave
-out. Differences are relative. This command prints the part before [Other codes](#other-codes):
-
-    ./run python -m studies validation
-
-**No measured device has been compared.** A comparison needs
-
-- dimensions as made, and the beam's first frequency before assembly;
-- mass, spring, gap, gas pressure;
-- the acceleration at the die, and how many shocks of each level snap the device.
-
-## Statics of the curved beam
-
-Forces on the midpoint are in $EI\\delta/L^3$, displacements in $\\delta$. The first three values
-are those of Qiu, Lang and Slocum (J. Microelectromech. Syst. 13, 2004, 137) for large
-$Q=\\delta/t$, as others quote them. The [closed
-forms](theory.md#snap-the-second-equilibrium-and-the-saddle) give 758.75 and -384.44. On the
-straight paths $F=\\tfrac{{\\pi^2}}2\\mu^2-(\\tfrac{{\\pi^2}}2\\mu^2-2\\pi^4)\\Delta$ of force
-over displacement, the axial force stays at a buckling load $\\mu^2EI/L^2$: $\\mu=4\\pi$
-(symmetric) or 8.9868 (antisymmetric).
-
-{statics}
-
-## Buckling and frequencies
-
-Exact buckling loads have $\\mu=2\\pi$, $4\\pi$ and $\\tan\\mu/2=\\mu/2$. Exact frequencies
-$\\omega$ under the tension $T$ are roots of $2pq(1-\\cos p\\cosh q)+(q^2-p^2)\\sin p\\sinh q=0$
-with $p^2,q^2=\\mp\\tfrac T2+\\sqrt{{T^2/4+\\omega^2}}$. Units are $EI/L^2$ and $\\sqrt{{EI/\\rho
-AL^4}}$; ours are of 12 elements or 12 shapes.
-
-{spectra}
-
-## Residual stress and tilt
-
-References are closed forms for the handout's device, and 20 cosines beside our 20 elements.
-
-{made}
-
-## The mass alone, and elastic impacts
-
-A mass that never closes its gap is an oscillator; shock spectra have its largest response, over
-the slow one. Elastic impacts lose no energy.
-
-{mass}
-
-## Thresholds against another integrator
-
-SciPy's DOP853, at a relative tolerance of {tolerance:g}, follows the same equations of 3 cosines
-at f0 = {f0:g} Hz, C = {C:g} uN us/um. Small steps are a twentieth of the limit.
-
-{thresholds}
-"""
 
 
 def main():
@@ -97,9 +47,10 @@ def main():
         "made": stressed(device),
         "mass": mass(device),
     }
-    tables = {name: table(HEAD, rows) for name, rows in sections.items()}
-    tables["thresholds"] = table(["device", "DOP853", *STEPS], thresholds(device))
-    print(TEXT.format(**tables, tolerance=TOLERANCE, f0=F0, C=C), end="")
+    tables = [Table(f"validation_{name}", HEAD, [*rows]) for name, rows in sections.items()]
+    exact = ["device", "DOP853", "default steps", "small steps"]
+    tables.append(Table("validation_solver", exact, [*thresholds(device)]))
+    write("validation", *tables, Table("validation_shallow", SHALLOW, [*shallow(device)]))
 
 
 def row(what, reference, value, digits=6):
@@ -206,7 +157,7 @@ def stressed(device):
 
 def mass(device):
     """Yield rows of the response of a mass alone, and of the energy lost by impacts."""
-    alone = replace(device, gap=1e4)
+    alone = replace(device, gap=1e3)
     omega = np.sqrt(device.spring / device.mass)
     known = {"versed sine": (1.705, 1.0), "half sine": (1.768, 0.81)}
     for shape, (ratio, at) in few(known).items():
@@ -243,6 +194,26 @@ def thresholds(device):
         yield [name, f"{exact:.8g}", *(f"{N / exact - 1:+.1e}" for N in (near, fine))]
 
 
+def shallow(device):
+    """Yield rows of forces of the exact beam, in EI delta/L^3, and of how far ours are above, in %.
+
+    The static threshold presses the mass to the largest force, against beam and spring; contact and
+    spring are as stiff beside each beam as the handout's.
+    """
+    spring, soft = device.spring / device.beam.stiffness_unit, device.spring / device.contact
+    for scale in few(SCALES):
+        beam = device.beam
+        beam = replace(beam, rise=beam.rise * scale, thickness=beam.thickness * scale)
+        path, unit = statics(replace(device, beam=beam)), beam.stiffness_unit * beam.rise
+        place, force = path.displacement.values[0] / beam.rise, path.force.values[0] / unit
+        ours = [(place[at], force[at]) for at in (force.argmax(), force.argmin())]
+        exact = [(at, each / unit) for at, each in corners(beam)]
+        pairs = [(each[1], own[1]) for each, own in zip(exact, ours, strict=True)]
+        pairs.append(tuple(top * (1 + soft) + spring * at for at, top in (exact[0], ours[0])))
+        cells = [(f"{F:.5g}", f"{100 * (own / F - 1):.2f}") for F, own in pairs]
+        yield [f"1/{beam.span / beam.rise:.0f}", *(cell for pair in cells for cell in pair)]
+
+
 def _threshold(model):
     rows, settings = to_rows(0, F0, C), Run(0.0)
     return lowest_snap(Probe(model, rows, settings), (500.0, 2500.0), 1e-9).item()
@@ -250,31 +221,13 @@ def _threshold(model):
 
 def _short_of_snap(model, N):
     """Least distance of the midpoint from the snap during the pulse, um, by SciPy."""
-    device, modal = model.device, model.modal
-    k, contact = modal.load.size, float(contact_stiffness(device, modal.residual))
-    shock, f0 = make_pulse(), F0 * 1e-6
-    target = model.barrier.second - model.barrier.first
-
-    def overlap(x):
-        return contact * max(0.0, modal.midpoint @ x[:k] - x[k] - device.gap)
-
-    def rate(t, x):
-        p, y, v, y_rate = x[:k], x[k], x[k + 1 : -1], x[-1]
-        a = N * device.gravity * shock.at(np.array([f0 * t]))[0]
-        slope = modal.geometric @ p + modal.slope_start
-        force = -modal.axial * p @ (slope + modal.slope_start)
-        P = overlap(x)
-        pull = force * slope - modal.stiffness * p - modal.load * a - modal.midpoint * P
-        y_pull = (P - device.spring * y - C * y_rate) / device.mass - a
-        return np.concatenate([v, [y_rate], pull, [y_pull]])
-
-    def above(_, x):
-        return modal.midpoint @ x[:k] - modal.residual * overlap(x) - target
-
-    times = np.linspace(0, 1 / f0, 4001)
+    device, f0 = model.device, F0 * 1e-6
+    (rate, w), rest = compile_rate(equations_of(model)), np.zeros(2 * model.modal.load.size + 2)
     how = {"rtol": TOLERANCE, "atol": 1e-10, "max_step": 0.5, "dense_output": True}
-    run = solve_ivp(rate, (0, 1 / f0), np.zeros(2 * k + 2), "DOP853", **how)
-    return min(above(0, x) for x in run.sol(times).T)
+    shock = (N * device.gravity, f0, C)
+    run = solve_ivp(rate, (0, 1 / f0), rest, "DOP853", args=shock, **how)
+    target = model.barrier.second - model.barrier.first
+    return min(w(x) for x in run.sol(np.linspace(0, 1 / f0, 4001)).T.copy()) - target
 
 
 if __name__ == "__main__":

@@ -7,11 +7,11 @@ import sys
 
 import pytest
 
+from studies import tables
 from studies.__main__ import NAMES
 
 LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
 SPAN = re.compile(r"`(\./run [^`]+)`")
-STUDY = re.compile(r"python -m studies ([a-z_]+)")
 
 ELSEWHERE = {
     "test_every_figure_is_there": [
@@ -35,7 +35,12 @@ ELSEWHERE = {
     "test_studies_are_targets_of_their_own": [
         *("snapmap run mine.yaml accuracy", "snapmap run mine.yaml stability")
     ],
-    "test_the_workflow_is_formatted": ["snakefmt Snakefile workflow/rules"],
+    "test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one": [
+        "snakemake --snakefile studies.smk --cores 2",
+        "snakemake --snakefile studies.smk --cores 2 all_slow",
+    ],
+    "test_pages_show_what_their_files_say": ["python docs/make_tables.py"],
+    "test_the_workflow_is_formatted": ["snakefmt Snakefile studies.smk workflow/rules"],
     "test_the_cube_is_that_of_a_local_run_bit_for_bit": [
         "snapmap run mine.yaml --profile profiles/slurm",
         "snapmap run mine.yaml --profile profiles/slurm --groups simulate_slab=slabs "
@@ -43,6 +48,7 @@ ELSEWHERE = {
     ],
     "test_each_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
+        "uv pip install --require-hashes --requirements locks/requirements-peers.lock",
         "uv pip install --require-hashes --requirements locks/requirements-slurm.lock",
     ],
     "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
@@ -54,6 +60,7 @@ ELSEWHERE = {
     "test_the_recipes_in_python_run": ["python"],
     "test_the_page_has_each_name_with_all_that_help_says": ["python docs/make_reference.py"],
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
+    "test_every_equation_of_the_theory_has_a_test_that_names_it": ["python docs/make_equations.py"],
     "test_the_types_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": [
         *("snapmap check mine.yaml", "snapmap check sensor.yaml")
@@ -91,21 +98,21 @@ def test_every_command_is_run_by_a_test(root, documents):
     assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)
 
 
-def test_the_documents_name_every_study(documents):
-    assert set(STUDY.findall(documents)) == {*NAMES}
-
-
 @pytest.mark.parametrize(
     "study", [pytest.param(name, marks=[pytest.mark.long] * (name != SHORT)) for name in NAMES]
 )
-def test_a_study_runs_in_small(monkeypatch, capsys, tmp_path, root, study):
+def test_a_study_makes_its_tables_in_small(monkeypatch, tmp_path, root, study):
     """As by `python -m studies`; what it writes lands in the current folder."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(root / "workflow" / "scripts"))
     monkeypatch.setattr(sys, "argv", ["studies", study, "--small"])
     runpy.run_module("studies", run_name="__main__")
-    rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("|")]
-    assert len(rows) > 2  # a head, a rule, and a row at least
+    made = [path.name for path in sorted((tmp_path / "results" / "studies").glob("*.csv"))]
+    record = {path.name: tables.read(path) for path in (root / "docs" / "tables").glob("*.csv")}
+    assert made == sorted(name for name, (_, foot) in record.items() if foot[6] == study)
+    for name in made:
+        (head, *rows), _ = tables.read(tmp_path / "results" / "studies" / name)
+        assert head == record[name][0][0] and rows
 
 
 def test_the_versions_come_in_one_paste(root):

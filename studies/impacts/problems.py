@@ -35,7 +35,6 @@ class Problem:
     rate: makes it from a module with sin and sqrt, numpy or jax.numpy
     reset: returns x and q after an impact
     start: (n, dimension); q: (n, parameters); t_end: (n,); exact: x[0] at t_end, (n,)
-    allowed: share of trajectories that may miss each of BOUNDS, as some almost graze
     rest: a trajectory ends at an impact after which |x[1]| is below it
     """
 
@@ -48,7 +47,6 @@ class Problem:
     t_end: np.ndarray
     exact: np.ndarray
     rest: float = 0.0
-    allowed: tuple[float, float] = (0.05, 0.05)
 
     def some(self, which: slice) -> "Problem":
         """Return the problem of some trajectories."""

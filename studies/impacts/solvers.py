@@ -61,11 +61,11 @@ def by_scipy(problem: Problem) -> Solve:
 def by_plain_loop(problem: Problem) -> Solve:
     """Solve by Runge and Kutta's fourth order in fixed steps, compiled; impacts by bisection."""
     follow = plain_loop(problem)
-    return lambda dt: follow(problem.start, problem.q, problem.t_end, dt)[0]
+    return lambda dt: follow(problem.start, problem.q, problem.t_end, dt)
 
 
 def plain_loop(problem: Problem) -> Callable:
-    """Compile the loop; it returns x[0] at the end of each trajectory, and its time, (2, n)."""
+    """Compile the loop; it returns x[0] at the end of each trajectory, (n,)."""
     rate, guard, reset = (njit(f) for f in (problem.rate(np), problem.guard, problem.reset))
     rest = problem.rest
 
@@ -108,13 +108,13 @@ def plain_loop(problem: Problem) -> Callable:
                 q[i] = parameters[i]
             if abs(x[1]) < rest:
                 break
-        return x[0], t
+        return x[0]
 
     @njit
     def follow_all(start, parameters, t_end, dt):
-        ends = np.empty((2, t_end.size))
+        ends = np.empty(t_end.size)
         for n in range(t_end.size):
-            ends[:, n] = follow(start[n].copy(), parameters[n].copy(), t_end[n], dt)
+            ends[n] = follow(start[n].copy(), parameters[n].copy(), t_end[n], dt)
         return ends
 
     return follow_all

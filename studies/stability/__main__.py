@@ -2,10 +2,8 @@
 
 ./run python -m studies stability [--device SECTION] [--small]
 
-Writes results/stability.nc and .md, and figures of the verdicts and of which cells settle.
+Also draws figures of the verdicts and of which cells settle.
 """
-
-import os
 
 import numpy as np
 
@@ -14,6 +12,7 @@ from snapmap.figures import maps, style
 from snapmap.numerics.portable import geometric, linear
 
 from ..common import command_device, few, results
+from ..tables import write
 from .cases import CASES, MODELS
 from .figures import draw_panels
 from .measure import measure
@@ -27,14 +26,11 @@ DAMPINGS, SHOWN = [0.0, 4e-4, 4e-3], 25.0
 
 
 def main() -> None:
-    device, threads = command_device(), os.cpu_count() or 1
-    cases = measure(device, few(CASES, 2), few(MODELS, 2), threads=threads)
+    device = command_device()
+    cases = measure(device, few(CASES, 2), few(MODELS, 2))
     grid = {key: few(values, 3) for key, values in GRID.items()}
-    study = Study(device, Cosines(modes=4), run=Run(6000.0, threads=threads))
+    study = Study(device, Cosines(modes=4), run=Run(6000.0))
     settled = sweep(study, **grid, axes={"damping": few(DAMPINGS, 2)})
-    cases.to_netcdf(results("stability.nc"))
-    text = f"{tables(cases, settled)}\n{followed_on(device)}"
-    results("stability.md").write_text(text, encoding="utf-8")
     with style.paper():
         figure = style.double_column(height=9)
         draw_panels(figure, cases)
@@ -44,7 +40,7 @@ def main() -> None:
         panels = [(settled.sel(damping=alpha, C=C), None, ()) for alpha in few(DAMPINGS, 2)]
         maps.draw_maps(figure, panels, "f0", "N", shows="ends")
         style.save(figure, results("figures/settled"), settled.attrs)
-    print(text)
+    write("stability", *tables(cases, settled), followed_on(device))
 
 
 if __name__ == "__main__":

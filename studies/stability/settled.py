@@ -6,7 +6,6 @@ from itertools import product
 import numpy as np
 
 from snapmap.device.device import Device
-from snapmap.files.text import table
 from snapmap.solver.cells import to_cells
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
@@ -15,18 +14,15 @@ from snapmap.solver.settings import STAY, Run
 from snapmap.solver.simd_loop import midpoints
 
 from ..common import few
+from ..tables import Table
 
 N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
-MODELS = {
-    "3 cosines": Cosines(modes=3),
-    "5 cosines": Cosines(modes=5),
-    "5 elements": Elements(),
-}
+MODELS = Cosines(modes=3), Cosines(modes=5), Elements()
 DAMPINGS = (0.025, 25.0)
-SETTINGS = Run(threads=2)
+SETTINGS = Run()
 FURTHER = 10_000.0
 """Time for which runs are followed after the pulse, us."""
-HEAD = ["beam", "contact, N/m", "model", "settled", "left their well"]
+HEAD = ["beam", "contact, N/m", "settled", "left their well"]
 FREE = {"free": 1.0, "imperfection": 0.02, "thickness": 1.4, "residual_stress": -40.0}
 FREE |= {"damping": 4e-4}
 """A beam that is free to tilt and still has a second shape; um, MPa, 1/us."""
@@ -36,13 +32,12 @@ def followed_on(device: Device) -> str:
     """Make a table of how many cells settle, and how many of these leave their well later."""
     rows = []
     tilting = replace(device, beam=replace(device.beam, **FREE))
-    for (name, beam), contact, label in product(
-        few({"guided": device, "free": tilting}).items(), few((40.0, np.inf)), few(MODELS)
-    ):
-        model = build_model(replace(beam, contact=contact), MODELS[label])
-        counts = np.sum([count(model, C) for C in few(DAMPINGS)], axis=0)
-        rows.append([name, f"{contact:g}", label, *(str(number) for number in counts)])
-    return table(HEAD, rows)
+    beams = few({"guided": device, "free": tilting}).items()
+    for (name, beam), contact in product(beams, few((40.0, np.inf))):
+        models = [build_model(replace(beam, contact=contact), chosen) for chosen in few(MODELS)]
+        counts = np.sum([count(model, C) for model in models for C in few(DAMPINGS)], axis=0)
+        rows.append([name, f"{contact:g}", *(str(number) for number in counts)])
+    return Table("stability_stays", HEAD, rows)
 
 
 def count(model, C):

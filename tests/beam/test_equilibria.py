@@ -26,6 +26,7 @@ def one_mode_equilibria(beam):
     return np.sort(roots[abs(roots.imag) < 1e-9].real)
 
 
+@pytest.mark.equation(17, 23)
 @pytest.mark.parametrize("stress", STRESSES)
 @pytest.mark.parametrize("thickness", [1.4, 2.0, 3.0])
 def test_shapes_at_rest_are_the_roots_of_the_cubic(handout, stress, thickness):
@@ -37,6 +38,7 @@ def test_shapes_at_rest_are_the_roots_of_the_cubic(handout, stress, thickness):
     assert replace(made, residual_stress=0.0).height == made.rise
 
 
+@pytest.mark.equation(8, 23)
 def test_a_stress_buckles_the_flat_beam_and_a_higher_one_ends_the_second_shape(handout):
     """The flat beam buckles at 5.483 MPa; state 2 goes at 69.45, and stays if free from -2.419."""
     beam = handout.beam
@@ -50,6 +52,9 @@ def test_a_stress_buckles_the_flat_beam_and_a_higher_one_ends_the_second_shape(h
     assert force(beam.most_stress * (1 - 1e-9)) == pytest.approx(4, rel=1e-7)
     assert beam.most_stress == pytest.approx(69.45, rel=1e-4)
     tilt = (antisymmetric_loads(1)[0] / (2 * np.pi)) ** 2
+    assert tilt == pytest.approx(2.0457, abs=5e-5) and force(0.0) == pytest.approx(2.0599, abs=5e-5)
+    for Q in (5.645, 5.647):
+        assert replace(beam, thickness=beam.rise / Q).stays_if_free == (Q > 5.646)
     stays = brentq(lambda stress: force(stress) - tilt, -5, 0)
     assert stays == pytest.approx(-2.419, rel=1e-3)
     assert replace(beam, residual_stress=1.001 * stays).stays_if_free
@@ -58,6 +63,7 @@ def test_a_stress_buckles_the_flat_beam_and_a_higher_one_ends_the_second_shape(h
         replace(beam, residual_stress=70.0).require_second_shape()
 
 
+@pytest.mark.equation(27)
 def test_antisymmetric_shapes_are_clamped_and_orthogonal():
     mu = antisymmetric_loads(6)
     np.testing.assert_allclose(np.tan(mu / 2) / (mu / 2), 1, rtol=1e-12)
@@ -67,6 +73,8 @@ def test_antisymmetric_shapes_are_clamped_and_orthogonal():
     basis = buckling_shapes(6)
     np.testing.assert_allclose(shapes @ shapes.T / y.size, basis.mass[6:, 6:], atol=1e-8)
     np.testing.assert_allclose(slopes @ slopes.T / y.size, basis.geometric[6:, 6:], atol=2e-5)
+    bends = -(mu[:, np.newaxis] ** 2) * np.sin(np.outer(mu, y)) / np.sin(mu / 2)[:, np.newaxis]
+    np.testing.assert_allclose(bends @ bends.T / y.size, basis.bending[6:, 6:], atol=1e-3)
     assert abs(shapes[:, [0, -1]]).max() < 1e-4 and abs(slopes[:, [0, -1]]).max() < 2e-2
     assert abs(basis.tilt[6] * shapes[0]).max() == pytest.approx(1, rel=1e-8)
 
@@ -79,6 +87,7 @@ def test_elements_have_the_antisymmetric_frequencies_and_shape(handout):
     np.testing.assert_allclose(*energies, rtol=1e-4)
 
 
+@pytest.mark.equation(13, 22)
 @pytest.mark.parametrize("basis", [symmetric_cosines(4), hermite_elements(4)])
 @pytest.mark.parametrize("stress", STRESSES)
 def test_at_rest_no_force_is_left(handout, basis: Basis, stress):
@@ -135,6 +144,29 @@ BASES = {
 }
 RATIOS = np.unique([*np.geomspace(2.32, 50, 15), *np.linspace(2.44, 2.5, 11)])
 """Mode 2 takes part from sqrt 6 = 2.4495 on, near which Newton's method converges slowly."""
+
+
+@pytest.mark.equation(16, 17, 18)
+@pytest.mark.parametrize("Q", [2.35, 2.44, 2.46, 3.0, 5.0, 12.0])
+def test_the_barrier_and_the_second_shape_have_the_closed_forms(handout, Q):
+    """Above Q = sqrt 6 the saddle of two modes, at N = 4 N_1; below it that of the first mode."""
+    beam = replace(handout.beam, thickness=handout.beam.rise / Q)
+    unit, root = np.pi**4 * beam.stiffness_unit * beam.rise**2, np.sqrt(1 - 16 / (3 * Q**2))
+
+    def energy(s, r):
+        N = 0.75 * Q**2 * (1 - s**2 - 4 * r**2)
+        assert pytest.approx(1 / (1 - N), rel=1e-9) == s
+        return unit * ((1 - s) ** 2 + 16 * r**2 + 2 / (3 * Q**2) * N**2)
+
+    s, r = -(1 - root) / 2, 0.0
+    if Q**2 > 6:
+        s, r = -1 / 3, np.sqrt(8 / 9 - 16 / (3 * Q**2)) / 2
+        assert energy(s, r) == pytest.approx(unit * (16 / 3 - 32 / (3 * Q**2)), rel=1e-12)
+    barrier = find_barrier(beam, symmetric_cosines(6))
+    assert barrier.energy == pytest.approx(energy(s, r), rel=1e-9)
+    assert barrier.first + barrier.midpoint == pytest.approx(s * beam.rise, rel=1e-6)
+    assert barrier.second == pytest.approx(-(1 + root) / 2 * beam.rise, rel=1e-9)
+    assert energy(-(1 + root) / 2, 0.0) < barrier.energy
 
 
 def branches(modal, basis, modes):

@@ -82,6 +82,7 @@ class Polynomials:
         return min(ends)
 
 
+@pytest.mark.equation(6, 25)
 @pytest.mark.parametrize("values", SHAPES.values(), ids=SHAPES)
 def test_equilibria_are_those_of_another_code(handout, values):
     """Held where an equilibrium is said to be, the beam takes no force, and has its energy."""

@@ -62,6 +62,7 @@ def decay(time, motion):
     return omega, omega / (2 * rate)
 
 
+@pytest.mark.equation(28)
 @pytest.mark.parametrize("values", BEAMS, ids=str)
 def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(values):
     section = changed(DOCUMENT["device"], **{f"beam__{key}": values[key] for key in values})

@@ -102,6 +102,7 @@ def test_laws_move_as_in_the_plain_loop(handout, damping, contact, C):
     assert errors[-1] < 5e-4 and errors[0] > 8 * errors[-1]
 
 
+@pytest.mark.equation(42)
 @pytest.mark.parametrize("contact", [hertz, two_sided])
 def test_what_a_contact_takes_it_gives_back(handout, contact):
     """Over thousands of contacts without a damper, in steps ten times apart."""

@@ -6,9 +6,11 @@ from dataclasses import replace
 import flat
 import numpy as np
 import pytest
+import scipy.linalg
 from conserving_loop import assert_followed
 from varied import in_steps, varied
 
+from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.cells import to_cells, to_rows
@@ -46,6 +48,7 @@ def versed_sine_response(t, amplitude, f0, omega):
     return np.where(t < tau, forced(t), forced(t) - forced(t - tau))
 
 
+@pytest.mark.equation(2)
 @pytest.mark.parametrize("f0", [0.4e-3, 1.5e-3, 6e-3])
 def test_a_mass_that_flies_away_is_a_linear_oscillator(handout, f0):
     """Negative N pulls the mass off the beam at once: closed form, eq. (2) with P = 0."""
@@ -67,6 +70,48 @@ def test_the_plain_loop_converges_with_order_two_before_first_separation(handout
         ends.append(history[n, [8, 18]])
     differences = np.abs(np.diff(ends, axis=0))
     assert np.log2(differences[:-1] / differences[1:]) == pytest.approx(2.0, abs=0.1)
+
+
+def stability_limits(device, basis, mass):
+    """2/omega_max, us, of bending, of the tangent at the start, and of that at -1.5 q0."""
+    beam, n = device.beam, len(mass)
+    axial, touch = 2 * beam.axial_stiffness, np.append(basis.midpoint, -1.0)
+    inertia, limits = np.zeros((n + 1, n + 1)), []
+    inertia[:n, :n], inertia[n, n] = mass, device.mass
+    for stretched, q in (0, basis.start), (1, basis.start), (1, -1.5 * basis.start):
+        slope, tangent = basis.geometric @ q, np.zeros((n + 1, n + 1))
+        N = beam.axial_stiffness * (basis.start @ basis.geometric @ basis.start - q @ slope)
+        stiff = basis.bending + stretched * (axial * np.outer(slope, slope) - N * basis.geometric)
+        tangent[:n, :n], tangent[n, n] = stiff, device.spring
+        tangent += stretched * device.contact * np.outer(touch, touch)
+        limits.append(2 / np.sqrt(scipy.linalg.eigh(tangent, inertia, eigvals_only=True)[-1]))
+    return limits
+
+
+@pytest.mark.equation(12, 14)
+def test_central_differences_are_stable_up_to_the_limit_of_the_tangent(handout):
+    """Those of the page's table; a weak shock stays weak below the limit, and grows above it."""
+    elements = hermite_elements(5).scaled_to(handout.beam)
+    limits = stability_limits(handout, elements, elements.mass)
+    assert limits == pytest.approx([0.03584, 0.03584, 0.03305], abs=5e-6)
+    h = handout.beam.span / 10
+    lumped = np.tile([1.0, h * h / 39], 5)[:-1] * 2 * h
+    lumped[-1] /= 2
+    lumped *= handout.beam.density * handout.beam.area
+    # Here slopes are those by x / L.
+    lumped[1::2] /= handout.beam.span**2
+    assert stability_limits(handout, elements, np.diag(lumped)) == pytest.approx(
+        [0.07394, 0.07393, 0.06819], abs=5e-6
+    )
+    cosines = symmetric_cosines(3).scaled_to(handout.beam)
+    assert stability_limits(handout, cosines, cosines.mass) == pytest.approx(
+        [0.508, 0.472, 0.254], abs=5e-4
+    )
+    below, above = (
+        abs(march(handout, 1e-3, 1.5e-3, 0.0, share * limits[1], 200.0)[1][:, :9]).max()
+        for share in (0.99, 1.01)
+    )
+    assert below < 1e-3 and not above < 1.0
 
 
 def test_the_handouts_shock_snaps_the_beam_by_its_own_load(handout):
@@ -95,6 +140,7 @@ DEVICES = {
 }
 
 
+@pytest.mark.equation(36, 37, 38)
 @pytest.mark.parametrize(("dt", "steps"), [(0.05, 1200), (0.4, 150)])
 @pytest.mark.parametrize("name", DEVICES)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
@@ -104,6 +150,7 @@ def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, 
     assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
 
+@pytest.mark.equation(35)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
 @pytest.mark.parametrize("name", DEVICES)
 def test_energy_is_conserved_to_rounding(handout, name, kind):
@@ -156,6 +203,7 @@ def test_the_handouts_elements_have_the_threshold_of_the_reference(handout):
     assert fast == pytest.approx(reference, rel=1e-5)
 
 
+@pytest.mark.equation(5)
 def test_hard_contact_is_the_limit_of_a_rising_penalty(handout):
     size = {"elements": 20, "modes": 9}
     hard, *soft = (varied(handout, contact=k) for k in (np.inf, 40.0, 400.0, 4000.0))

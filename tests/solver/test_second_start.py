@@ -42,6 +42,7 @@ def test_a_buckled_straight_beam_is_its_own_mirror_image(handout):
     np.testing.assert_allclose(back.pulse_work, there.pulse_work, rtol=1e-5, atol=1e-9)
 
 
+@pytest.mark.equation(21)
 def test_the_reset_force_is_the_closed_form(handout):
     """docs/theory.md, statics: the least root of a quadratic; the bar tells how far it is off."""
     n, beam = np.arange(3, 4001, 2), handout.beam

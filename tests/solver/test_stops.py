@@ -41,6 +41,7 @@ def thrown(device, dt, steps, velocity, a=0.0):
     return np.array([*places, X[R.Y * LANES]]), X[R.LOST * LANES] / dt**2
 
 
+@pytest.mark.equation(40, 41)
 def test_bounces_on_a_spring_are_those_of_the_closed_form_to_second_order(handout):
     """Thrown at v from rest; back at the stop s after 2 (pi - atan(v / omega s)) / omega."""
     e = 0.6
@@ -54,6 +55,7 @@ def test_bounces_on_a_spring_are_those_of_the_closed_form_to_second_order(handou
     assert errors[1] < 1e-4 and errors[1] < errors[0] / 60  # of 256, as where a blow falls counts
 
 
+@pytest.mark.equation(40, 41)
 def test_a_dropped_mass_rebounds_by_e_each_time_and_comes_to_rest(handout):
     """From a height h it falls at g: the n-th rebound is e^2n h high; then it lies on the stop."""
     h, e, a = 5.0, 0.7, 1e-3
@@ -66,6 +68,7 @@ def test_a_dropped_mass_rebounds_by_e_each_time_and_comes_to_rest(handout):
     assert lost == pytest.approx(device.mass * a * h, rel=1e-4)
 
 
+@pytest.mark.equation(41)
 @pytest.mark.parametrize("C", [0.0, 25.0])
 def test_the_energy_is_known_to_rounding(handout, C):
     """With bounces on the beam and off both stops; with e = 1 the stops take none."""

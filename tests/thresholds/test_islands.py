@@ -12,9 +12,10 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Auto, Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.edges import Window, nothing_seen, outermost, scan
+from snapmap.thresholds.effort import CLOSE_PLACES, CLOSE_STEP
 from snapmap.thresholds.probe import Probe
 from snapmap.thresholds.ragged import CLEAN_REACH, scan_ragged
-from snapmap.thresholds.search import CLOSE_PLACES, CLOSE_STEP, Search, close_edges
+from snapmap.thresholds.search import Search, close_edges
 from snapmap.thresholds.survey import lowest, survey
 
 COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}

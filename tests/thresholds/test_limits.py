@@ -134,6 +134,7 @@ def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
 SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])
 
 
+@pytest.mark.equation(43)
 def test_the_handouts_mass_departs_in_68_us(handout):
     """From kappa = 1/(1/s - 1/lambda) - K, s = 64 pi^2 EI/L^3; and damped it departs slower."""
     s = 64 * math.pi**2 * 2.2e6 / 600**3
@@ -146,6 +147,7 @@ def test_the_handouts_mass_departs_in_68_us(handout):
     assert 2 / growth_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
 
 
+@pytest.mark.equation(44, 45)
 def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvature():
     """I = (1 - cos(2 pi x + b) cos b)/2 with tan b = 2 pi f0/sigma, until the pulse ends."""
     factor = slow_factor(make_pulse(), SWINGS)
@@ -164,6 +166,7 @@ def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvatur
         assert np.isnan(slow_factor(pulse, SWINGS)).all()
 
 
+@pytest.mark.equation(43, 44, 45)
 def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
     f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
     edges = flat.threshold(handout, f0, C, model="cosines", modes=3, tolerance=1e-5)

@@ -17,9 +17,10 @@ from snapmap.solver.outcome import LATCHED, label
 from snapmap.solver.settings import Run
 from snapmap.thresholds.bars import distance
 from snapmap.thresholds.edges import stretches
+from snapmap.thresholds.effort import CLOSE_STEP
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
 from snapmap.thresholds.ragged import refine_edges
-from snapmap.thresholds.search import CLOSE_STEP, Search, find_changes
+from snapmap.thresholds.search import Search, find_changes
 from snapmap.thresholds.settling import LONGER
 
 CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}

@@ -79,7 +79,7 @@ def test_check_counts_the_runs_of_a_solver_of_ones_own(tmp_path, monkeypatch, ca
         (tmp_path / "config.yaml").write_text(yaml.safe_dump(document))
         assert main(["check", "config.yaml"]) == 0
         assert capsys.readouterr().out.splitlines()[-1] == (
-            f"runs of the solver: {runs} of cells, and about 750 for each of 2 thresholds, "
+            f"runs of the solver: {runs} of cells, and about 50 for each of 2 thresholds, "
             "more where they are ragged"
         )
 
@@ -108,8 +108,8 @@ def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     assert main(["run", str(config), "--cores", "2"]) == 0
     assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
     profile = root / "profiles" / "default" / "profile.yaml"
-    files = ["--snakefile", str(root / "Snakefile"), "--workflow-profile", str(profile)]
-    files += ["--configfile", str(config)]
+    files = ["--configfile", str(config), "--snakefile", str(root / "Snakefile")]
+    files += ["--workflow-profile", str(profile)]
     assert main(["run", str(config), "--profile", "slurm"]) == 0  # which says how many cores
     options = ["--cores", "2"], ["--cores", "all", "-n", "results/cube.nc"], ["--profile", "slurm"]
     assert asked == [[*files, *words] for words in options]

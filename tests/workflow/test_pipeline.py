@@ -127,7 +127,8 @@ def test_lint_misses_nothing_but_environments_of_rules(clone, tmp_path):
 
 
 def test_the_workflow_is_formatted(clone):
-    files = clone / "Snakefile", clone / "workflow" / "Snakefile", clone / "workflow" / "rules"
+    names = "Snakefile", "studies.smk", "workflow/Snakefile", "workflow/rules"
+    files = [clone / name for name in names]
     assert subprocess.run(["snakefmt", "--check", *files], timeout=120).returncode == 0
 
 

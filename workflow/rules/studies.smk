@@ -6,7 +6,7 @@ for what, stems in STUDIES.items():
         name:
             what
         output:
-            table=f"results/{what}.md",
+            table=f"results/studies/{what}.csv",
             figures=expand(
                 "results/figures/{stem}.{kind}", stem=stems, kind=["pdf", "png"]
             ),

@@ -100,6 +100,7 @@ def integrated(device, N, f0, C):
     return closures_of(run.t_events[0].tolist(), False, span[1])
 
 
+@pytest.mark.equation(2, 4)
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
     study = Study(device, model=MODEL, run=Run(horizon=HORIZON))

@@ -21,6 +21,7 @@ def laws(handout):
     return laws_of(study, study.set_out(AXES), thresholds)
 
 
+@pytest.mark.equation(46)
 def test_snaps_of_clean_fast_rows_are_delayed_as_the_saddle_with_a_negative_second_mode_says(laws):
     """1.685 us in five cosines, within 2 % of the exact 1.683; and slow ones by half the dwell."""
     slow, fast = laws.snap_scale.values[0]
@@ -33,6 +34,7 @@ SADDLE = {2: (1.71915, 2.23976), 3: (1.69352, 2.21225), 5: (1.68534, 2.20336)}
 SADDLE[11] = (1.68315, 2.20096)
 
 
+@pytest.mark.equation(46)
 @pytest.mark.parametrize("cosines", SADDLE)
 def test_the_handouts_saddle_is_left_at_two_rates_first_that_with_a_negative_second_mode(
     handout, cosines

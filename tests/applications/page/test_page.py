@@ -2,15 +2,19 @@
 
 import json
 import re
+from io import BytesIO
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.image import imread
 from small_results import SETTINGS, make_cells, swept
 
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
+from snapmap.config.study import load_config
 from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
+from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run
 from snapmap.study.netcdf import write
 
@@ -141,6 +145,11 @@ class View:
         return self.shown("map", "z") == states(cells).transpose(y, x).values.tolist()
 
 
+def times(text):
+    """The times in a text, us."""
+    return re.findall(r"t = ([\d.]+) µs", text)
+
+
 @pytest.fixture(scope="module")
 def view(browser, page_file):
     return View(browser, page_file)
@@ -232,8 +241,8 @@ def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube
     view.wait("run")
     cell = cube.isel(f0=1, N=3, C=view.place()[0])
     assert view.page.evaluate("run.snap") == pytest.approx(cell.t_snap.item(), rel=0.02)
-    assert f"snaps at t = {view.page.evaluate('round(run.snap)')} µs" in view.text("#followed")
-    assert "t = " not in view.text("#verdict")  # of the same snap the map has another time
+    assert times(view.text("#verdict"))[0] == times(view.hover(1, 3))[0] == f"{cell.t_snap:.4g}"
+    assert times(view.text("#followed")) == []  # of the same snap the page has another time
     w, first = view.shown("history", "y", 1), view.page.evaluate("run.form.first")
     assert w[0] == pytest.approx(first, abs=1e-3) and min(w) < -first / 2
     assert view.page.evaluate("run.form.kappa.length") == 5
@@ -243,12 +252,52 @@ def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube
     view.page.keyboard.press("ArrowLeft")
     view.wait("run && at[Y] === 2.95")
     assert view.text("#verdict").startswith("between cells:") and view.text("#edge") == ""
+    assert times(view.text("#followed"))[0] == view.page.evaluate("round(run.snap)")
     N = 1300**0.05 * 2200**0.95  # on the axis of the map, whose N are spaced by factors
     assert view.text("#at-N + output") == f"{N:.4g}"
     assert view.shown("map", "y", CHOSEN) == pytest.approx([N])
     view.page.keyboard.press("ArrowUp")
     view.wait("run && Number.isInteger(at[Y])")
     assert view.text("#at-N + output") == "2200"
+
+
+def test_where_the_page_ends_otherwise_it_says_so_and_pictures_the_start(browser, cube, tmp_path):
+    """It has no time beside that of the map, which counts."""
+    other = cube.copy(deep=True)
+    other.t_snap[:], other.outcome[:] = np.nan, OUTCOMES.index("unsnapped")
+    write_text(tmp_path / "page.html", other)
+    view = View(browser, tmp_path / "page.html")
+    view.click(1, 3)
+    view.wait("run")
+    assert "It ends otherwise: it snaps" in view.text("#followed b")
+    assert times(view.text("#followed")) == [] and view.page.input_value("#instant") == "0"
+    view.click(1, 0)
+    view.wait("run")
+    assert "otherwise" not in view.text("#followed") and view.page.input_value("#instant") == "1"
+
+
+def test_the_device_is_told_in_the_words_of_its_config(browser, tmp_path):
+    """With the values that C or an axis has at the cell."""
+    beam = {"span": "0.6 mm", "rise": "10 um", "thickness": "2 um", "depth": "22 um"}
+    beam |= {"youngs_modulus": "150 GPa", "density": "2330 kg/m^3", "quality_factor": 200}
+    device = {"beam": beam, "mass": "10 ug", "spring": "5.5 N/m", "contact": "40 N/m"}
+    device["gravity"] = "9.81 m/s^2"
+    axes = {"N": [900, 1100], "f0": ["1 kHz", "2 kHz"], "thickness": ["1.9 um", "2 um"]}
+    C = {"C": ["0.025 uN*us/um", "200 uN*us/um"]}
+    document = {"device": device, "model": {"name": "elements"}, "sweep": axes | C}
+    study = load_config(document)
+    cube = swept(study.device, **study.axes)
+    written = application.figures(study)["explore"]["written"]
+    write_text(tmp_path / "page.html", cube, written=written)
+    view = View(browser, tmp_path / "page.html")
+    view.slide(0, "thickness")
+    for c, quality in enumerate(("9381 at C = 0.025", "1.173 at C = 200")):
+        view.slide(c)
+        assert f"mass3.733 kHz{quality} µN µs/µm" in view.text("#vibration")
+    told = view.text("#values")
+    for words in ("L0.6 mm", "t1.9 µm", "M10 µg", "factor of the beam200", "9.81 m/s²"):
+        assert words in told
+    assert "1/µs" not in told
 
 
 def test_the_picture_moves_with_the_time(view):
@@ -274,6 +323,92 @@ def test_keys_and_buttons_move_the_choice(view):
     for name, cell in (("next f0", (2, 2)), ("previous N", (2, 1)), ("previous f0", (1, 1))):
         view.page.click(f"button[aria-label='{name}']")
         view.wait_for(*cell)
+
+
+def test_the_first_keys_skip_to_the_parts_of_the_page(browser, page_file):
+    view = View(browser, page_file)
+    for name in ("map", "shock"):
+        view.page.keyboard.press("Tab")
+        assert view.page.evaluate("document.activeElement.textContent") == name
+    view.page.keyboard.press("Enter")
+    assert view.page.evaluate("document.activeElement.id") == "cell"
+    view.page.keyboard.press("Tab")
+    assert view.page.evaluate("document.activeElement.id") == "at-N"
+
+
+COLOURS = """() => [...document.querySelectorAll("body *")].filter((element) =>
+    element.checkVisibility() && !element.closest("#history, figure svg, .scatterlayer")
+    && [...element.childNodes].some(({ nodeType, data }) => nodeType === 3 && data.trim())
+).map((element) => {
+    const { color, fill } = getComputedStyle(element);
+    const ground = (part) => {
+        const { backgroundColor: own } = getComputedStyle(part);
+        return own === "rgba(0, 0, 0, 0)" ? ground(part.parentElement) : own;
+    };
+    return [element.closest("svg") ? fill : color, ground(element)];
+})"""
+"""Colours of texts and of what is behind them, without those that a filter turns, or on cells."""
+GROUND = "getComputedStyle(document.body).backgroundColor"
+
+
+def luminance(colour):
+    """The relative luminance of WCAG 2; colour: as of a computed style, or (..., 3) in 0 to 1."""
+    if isinstance(colour, str):
+        colour = np.array([float(part) for part in re.findall(r"[\d.]+", colour)[:3]]) / 255
+    linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+def pixels(view, selector):
+    """Luminance of the pixels of a part of a page, ascending."""
+    view.page.wait_for_timeout(200)
+    image = imread(BytesIO(view.page.locator(selector).screenshot()))
+    return np.sort(luminance(image[..., :3]).ravel())
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_stand_out_in_light_and_dark(browser, page_file, scheme):
+    """Figures are turned with the page; of the map the cells keep their colours."""
+    view = View(browser, page_file, color_scheme=scheme)
+    view.wait("run")
+    pairs = {tuple(pair) for pair in view.page.evaluate(COLOURS)}
+    text, ground = np.array([[*map(luminance, pair)] for pair in pairs]).T
+    assert len(pairs) > 3 and ((text < ground) == (scheme == "light")).all()
+    low, high = np.minimum(text, ground), np.maximum(text, ground)
+    assert ((high + 0.05) / (low + 0.05)).min() >= 4.5, pairs
+    for part in ("#history", "figure svg", "#scene"):
+        shown = pixels(view, part)
+        middle, ends = np.median(shown), (shown[0] + 0.05, shown[-1] + 0.05)
+        assert middle == pytest.approx(luminance(view.page.evaluate(GROUND)), abs=0.01)
+        assert ends[1] / ends[0] > 4.5
+    assert view.shown("map", "colorscale")[0][1] == SNAPS[0].colour and view.complaints == []
+
+
+A4 = {"width": 703, "height": 1032}
+"""A sheet within margins of 12 mm, in pixels of CSS."""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_print_is_light_and_keeps_the_key_with_its_map(browser, page_file, scheme):
+    view = View(browser, page_file, color_scheme=scheme)
+    view.wait("run")
+    sheets = re.findall(rb"/Type\s*/Page\b", view.page.pdf(format="A4"))
+    assert len(sheets) <= 3
+    view.page.emulate_media(media="print", color_scheme=scheme)
+    view.page.set_viewport_size(A4)
+    assert view.page.evaluate(GROUND) == "rgb(255, 255, 255)"
+    style = "([selector, key]) => getComputedStyle(document.querySelector(selector))[key]"
+    for part in ("#classes i", "#classes .line"):
+        assert view.page.evaluate(style, [part, "printColorAdjust"]) == "exact"
+    assert view.page.evaluate(style, ["#map", "filter"]) == "none"
+    for part in ("#map", "#history", "#of-device"):
+        section = view.page.locator(f"section:has({part}), section{part}")
+        assert section.evaluate("part => getComputedStyle(part).breakInside") == "avoid"
+        box = section.bounding_box()
+        assert box["height"] < A4["height"]
+        assert section.evaluate("part => part.scrollWidth") <= A4["width"]
+    assert view.page.is_visible("section:has(#map) #classes")
+    assert not view.page.is_visible("#play") and not view.page.is_visible("nav")
 
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
@@ -412,5 +547,5 @@ def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_t
     assert drawn_shapes(opened) == ["second"]
     opened.wait("document.getElementById('followed').textContent")
     assert "too many samples" in opened.text("#followed") and not opened.page.is_visible("#history")
-    assert "equilibrium at t = " in opened.text("#verdict")
+    assert "shape at t = " in opened.text("#verdict")
     assert opened.shows(cube.isel(C=opened.place()[0])) and opened.complaints == []

@@ -28,6 +28,7 @@ def path(handout):
     return snapmap.statics(handout)
 
 
+@pytest.mark.equation(18, 20, 21)
 def test_the_path_has_the_exact_shapes_energies_forces_and_stiffness(path, handout):
     """F = 0 in both shapes and at the saddle w_s = -rise/3; 192 EI/L^3 at first, then straight."""
     guided = path.sel(branch="guided")
@@ -64,6 +65,7 @@ def test_a_free_beam_tilts_at_the_closed_form(handout, Q):
     assert statics.force.sel(branch="guided").max() > statics.largest_force
 
 
+@pytest.mark.equation(6)
 def test_the_energy_is_the_work_of_the_force(path, handout):
     tilted = snapmap.statics(free(handout, 6, 0.03)).sel(branch="tilted")
     for branch in (*[path.sel(branch=name) for name in path.branch.values], tilted):
@@ -211,6 +213,7 @@ def held_straight(beam, n):
     return force, 1 - middles[0] - force * middles[1]
 
 
+@pytest.mark.equation(3)
 @pytest.mark.parametrize(
     ("Q", "stress", "most"), [(3.1, 0.0, 4.6), (5.0, 0.0, 8.4), (6.2, -3.0, 8.8), (9.0, -5.0, 9.0)]
 )

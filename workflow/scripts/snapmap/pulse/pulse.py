@@ -212,6 +212,13 @@ class Pulse:
         values = np.concatenate([[0.0], self.at(self._places), [0.0]])
         return float(np.sum(abs(np.diff(values))))
 
+    @cached_property
+    def waits(self) -> np.ndarray:
+        """Waits and flights between blows, over the duration, (waits,); kernels jump over them."""
+        begin, value, slope, turns, _, _ = self.pieces.T
+        is_flat = (slope == 0) & (turns == 0) & (abs(value) <= AT_REST)
+        return np.diff(begin, append=1.0)[is_flat]
+
     @property
     def swings(self) -> float:
         """Duration over that of a swing, in a train of the fastest swing."""

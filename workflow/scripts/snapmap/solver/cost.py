@@ -6,13 +6,16 @@ import numpy as np
 
 from ..files.text import plain
 from .cells import Cells
-from .models import Follows
+from .models import Follows, Model
 from .settings import Run
 
 MOST_SECONDS = 3.6e7
 """Longest time, s, 10 000 core hours; more is refused as a slip."""
 WORTH_SAYING = 30.0
 """Time, s, above which a forecast is reported."""
+JUMPS, DIES = 7.0, 46.0
+"""Time in which a ring decays so far that a run may jump over a wait, and least sum of this time
+and the wait, over the time in which its energy falls to 1/e."""
 
 
 def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> None:
@@ -45,5 +48,22 @@ def steps_and_seconds(built: Follows, cells: Cells, settings: Run) -> tuple[np.n
     for mine, part in built.split(cells.device):
         dt[mine] = part.time_steps(cells.take(mine), settings)
         nanoseconds = 80 if part.name == "reference" else 1 + part.modes**2 / 20
-        seconds[mine] = nanoseconds * 1e-9 * cells.t_end[mine] / dt[mine]
+        followed = cells.t_end[mine]
+        if not (part.laws or part.name == "reference" or settings.until == "moved"):
+            followed = followed - quiet_time(part, cells.take(mine))
+        seconds[mine] = nanoseconds * 1e-9 * followed / dt[mine]
     return dt, seconds
+
+
+def quiet_time(model: Model, cells: Cells) -> np.ndarray:
+    """Estimate how much time between blows runs leave out, us, (cells,); see `kernel.quiet`."""
+    mass, beam = (np.atleast_1d(a) for a in (model.device.mass, model.device.beam.damping))
+    quiet = np.zeros(cells.f0.shape)
+    with np.errstate(divide="ignore"):
+        ring = 1 / np.minimum(cells.damping / mass[cells.device], beam[cells.device])
+    for place, pulse in enumerate(cells.pulses):
+        which = cells.pulse == place
+        wait, of_ring = pulse.waits / cells.f0[which, np.newaxis], ring[which, np.newaxis]
+        rings = np.maximum(JUMPS * of_ring, DIES * of_ring - wait)
+        quiet[which] = np.maximum(0.0, wait - rings).sum(axis=-1)
+    return quiet

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from typing_extensions import TypeAliasType
@@ -33,6 +33,8 @@ PARAMETERS = {
 """Parameters of each law, in this order and under any names; units: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
+KEPT = "results/solver_runs.csv"
+"""File of the runs of a solver that a config names."""
 
 
 def _take_law(value):
@@ -62,15 +64,17 @@ class Laws:
     solver: function in place of the whole model, as in `external.march`
     file, sha256: of the functions, if they were read from one
     unit_of_C: as a config spells it; "" for a plain number
+    kept: file of the solver's runs, which are not made again; empty for none
     """
 
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
-    solver: Callable | None = None
+    solver: Any = None
     file: str = ""
     sha256: str = ""
     unit_of_C: str = INTERNAL
+    kept: str = ""
 
     def __str__(self):
         """Name the file, or the functions, as in attributes of products."""
@@ -84,6 +88,8 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
+    solver: Law | None = None,
+    kept: str = "",
 ) -> object:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
@@ -99,6 +105,11 @@ def reference(
     force
         Function (displacement) that returns the force that holds the midpoint, uN; by default that
         of the beam.
+    solver
+        Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
+    kept
+        File to which each run of the solver adds a line, so that no call makes it again. The solver
+        is then a function of a file, and is asked anew after each edit of that.
 
     Returns
     -------
@@ -108,7 +119,7 @@ def reference(
     Raises
     ------
     ValueError
-        One line, for a law that numba cannot compile, or if there is none.
+        One line, for a law that numba cannot compile, if there is none, or a solver beside laws.
 
     Examples
     --------
@@ -120,8 +131,18 @@ def reference(
     """
     from .options import Reference
 
-    laws = compile_laws({"damping": damping, "contact": contact, "force": force})
-    return Reference(laws=laws)
+    given = {"damping": damping, "contact": contact, "force": force, "solver": solver}
+    laws = compile_laws(given)
+    return Reference(laws=_keeping(laws, kept) if kept else laws)
+
+
+def _keeping(laws, kept):
+    """Have runs kept in a file, by the hash of the file of the solver, all that tells of edits."""
+    code = getattr(laws.solver, "__code__", None)
+    if code is None or code.co_freevars or not os.path.isfile(code.co_filename):
+        needs = "a solver that is a function of a file, and of no values of a function around it"
+        raise ValueError(f"kept: needs {needs}")
+    return replace(laws, kept=kept, sha256=sha256_of(code.co_filename, *LAWS))
 
 
 def compile_laws(functions: Mapping[str, object]) -> Laws:
@@ -228,7 +249,8 @@ class LawsKind(Kind):
         """Read a file in the study's folder."""
         if not (isinstance(value, str) and value):
             raise ValueError(f"{describe(value)} is not {self.asks}")
-        return self.take(inside(value))
+        laws = self.take(inside(value))
+        return replace(laws, kept=KEPT) if laws.solver else laws
 
     def schema(self) -> dict:
         """Describe a path."""

@@ -21,6 +21,7 @@ from ..files.counting import count
 from ..values.kinds import Number
 from ..values.records import told
 from .cells import Cells, Observations, no_observations
+from .external import Answers
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, announce, well_of
 from .options import Chosen, Cosines, Elements, Reference
@@ -176,11 +177,13 @@ class Model:
         dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of a call should all be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
+        own = self.laws and self.laws.solver
+        bunch = own.together if own else BUNCH
         threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
         def follow_share(first):
             share = order[first::threads]
-            for at in np.split(share, range(BUNCH, share.size, BUNCH)):
+            for at in np.split(share, range(bunch, share.size, bunch)):
                 facts = loop.march(self, cells.take(at), dt[at], settings)
                 for column, part in zip(observed[:7], facts, strict=True):
                     column[at] = part
@@ -310,6 +313,8 @@ def _build(device, chosen, is_free):
     if force and name != "reference":
         steps = steps.of_one_mode()
     tables = tabulate(laws, device, modal) if laws and name != "reference" else None
+    if laws and laws.solver:
+        laws = replace(laws, solver=Answers(laws))
     return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 

@@ -12,7 +12,7 @@ does it stay, how does it move."""
 QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
 """The question of a run, by `until`. The solver knows three words beside UNTIL: "edge" is "snap" in
 the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, and "moved" is
-"settled" in the steps that the motion needs."""
+"settled" in the steps that the motion needs, and does not jump over quiet time."""
 FIRST, SECOND = STARTS = ("first", "second")
 """The shape in which the beam rests at first; it snaps when it arrives at the other."""
 THRESHOLD_TOLERANCE = 1e-4

@@ -45,6 +45,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
+        jumps=settings.until != "moved" and any(pulse.waits.size for pulse in cells.pulses),
         tolerance=settings.energy_tolerance,
         facts=facts,
     )

@@ -111,7 +111,7 @@ def scan_on(ask: Ask, window: Window, seen: Seen) -> Seen:
 
 
 def around(
-    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float
+    limits: Window, first: np.ndarray, last: np.ndarray, reach: float, step: float | np.ndarray
 ) -> Window:
     """Make the window from first / reach to last * reach, (rows,), within limits."""
     low, high = np.maximum(limits.low, first / reach), np.minimum(limits.high, last * reach)

@@ -7,8 +7,6 @@ import numpy as np
 from .edges import Edges, Seen, Window, around, joined, nothing_seen, outermost, scan_on
 from .probe import Ask, Probe, refine
 
-RAGGED_STEP = 0.001
-"""Relative step of N in ragged rows."""
 CLEAN_REACH, RAGGED_REACH = 1.02, 1.05
 """Factors on N up to which the deciding model looks around changes, in clean and ragged rows."""
 
@@ -34,7 +32,7 @@ def scan_ragged(
         first = np.where(begins, window.low, ends[0])
         lower = np.fmin(window.low, np.maximum(lowest, first / RAGGED_REACH))
         ends = (np.where(np.isnan(a), b, a) for a, b in zip(ends, window[:2], strict=True))
-        near = around(window, *ends, CLEAN_REACH, RAGGED_STEP)
+        near = around(window, *ends, CLEAN_REACH, window.step)
         new = np.isnan(seen.low)
         low = np.where(seen.begins, window.low, near.low)
         high = np.where(seen.ends | new, near.high, window.high)

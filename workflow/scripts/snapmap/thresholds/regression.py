@@ -5,8 +5,9 @@ import numpy as np
 from ..beam.limit_loads import static_threshold
 from ..solver.bounds import least_amplitudes
 from ..solver.settings import SECOND
-from .probe import TOGETHER, Probe, amplitudes, first_snap, near, refine, walk
-from .search import ISLAND_STEP, ISLANDS_FROM, scan_upwards
+from .effort import ISLAND_STEP, TOGETHER
+from .probe import Probe, amplitudes, first_snap, near, refine, walk
+from .search import ISLANDS_FROM, scan_upwards
 
 FIRST_SAMPLES, GROWTH = 64, 8
 """Size of the first block of samples, and of each further block over all before it."""

@@ -21,20 +21,17 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
-from .probe import SCAN_STEP, TOGETHER, Probe, amplitudes, first_snap, refine
-from .ragged import CLEAN_REACH, RAGGED_REACH, RAGGED_STEP, scan_ragged
+from .effort import CLOSE_STEP, FRUGAL, THOROUGH, Effort
+from .probe import Probe, amplitudes, first_snap, refine
+from .ragged import CLEAN_REACH, RAGGED_REACH, scan_ragged
 
 ISLANDS_FROM, ISLANDS_TO = 0.7, 2.0
 """Ends of the window that is scanned for islands, as multiples of the first N that snaps."""
-ISLAND_STEP, CLOSE_STEP = 0.005, 0.00025
-"""Relative steps of N: in the scan for islands, and close to a threshold."""
 RINGING = 0.25
 """Least time of a device's response, over that of the pulse's steepest rise, with which the device
 rings after the pulse; islands then lie close to its threshold."""
 FAST_PULSE = 0.7
 """Least frequency of a pulse, over the device's own, at which the finer models take its rows."""
-CLOSE_PLACES = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 80])
-"""Distances from a threshold at which runs are compared, in CLOSE_STEP; the last is CLEAN_REACH."""
 STEP_RATIO = math.sqrt(2.0)
 """Factor on the deciding time step, of the runs that show its error: as that is of second order,
 it doubles, and the difference is the error itself."""
@@ -64,7 +61,12 @@ class Search(NamedTuple):
 
     def probe(self, model: Follows, until: str = "edge") -> Probe:
         """Ask a model about the rows; until: as in `settings.QUESTION`."""
-        return Probe(model, self.rows, self.settings, until)
+        return Probe(model, self.rows, self.settings, until, self.effort)
+
+    @property
+    def effort(self) -> Effort:
+        """How many runs it may spend."""
+        return FRUGAL if self.models.frugal else THOROUGH
 
     @property
     def bound(self) -> np.ndarray:
@@ -127,9 +129,9 @@ def find_changes(search: Search) -> Changes:
     seen = look_closely(decides, search.rings, low, high)
     clean = is_single(seen.edges, seen.begins)
     ragged = np.isfinite(first) & ~clean
-    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
+    window = around(limits, window.low, window.high, RAGGED_REACH, search.effort.ragged).of(ragged)
     others = [search.probe(model, "snap") for model in search.others_of_ragged]
-    lowest = np.minimum(limits.low, SLACK * bound)
+    lowest = np.minimum(limits.low, SLACK * bound if search.effort.thorough else np.inf)
     of_ragged = search.probe(models.ragged)
     scanned, firsts = scan_ragged(of_ragged, others, window, lowest, seen.of(ragged))
     return Changes(
@@ -147,24 +149,37 @@ def find_changes(search: Search) -> Changes:
 def scan_upwards(
     probe: Probe, static: np.ndarray, bound: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the first N that snaps, in steps of SCAN_STEP upwards.
+    """Find the first N that snaps, upwards in the steps of the first scan.
 
     static, bound: as for `scan_range`; the scan goes down to the bound where the first N snaps
     Returns N, NaN where nothing snaps, the highest N of the range, and whether nothing snaps, false
     where a run failed; all (rows,).
     """
-    N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
+    effort = probe.effort
+    N = amplitudes(*scan_range(probe, static, bound), effort.scan)
     t_snap = np.full(N.shape, np.nan)
-    for part in np.split(np.arange(N.shape[1]), range(TOGETHER, N.shape[1], TOGETHER)):
+    together, count = effort.together, N.shape[1]
+    for part in np.split(np.arange(count), range(together, count, together)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
         t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
     first = first_snap(N, np.isfinite(t_snap))[1]
     quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
-        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
-        first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], effort.scan)
+        first = np.where(begins, first_snap(lower, _snaps_downwards(probe, lower))[1], first)
     return first, np.fmax.reduce(N, axis=1), quiet
+
+
+def _snaps_downwards(probe, N):
+    """Tell which of ascending N snap, (rows, n); where runs are dear, down to a quiet one."""
+    if probe.effort.thorough:
+        return probe.snaps(N)
+    snaps, left = np.zeros(N.shape, bool), np.ones(len(N), bool)
+    for k in reversed(range(N.shape[1])):
+        snaps[:, k] = probe.snaps(np.where(left, N[:, k], np.nan)[:, np.newaxis])[:, 0]
+        left &= snaps[:, k] | np.isnan(N[:, k])
+    return snaps
 
 
 def scan_range(
@@ -206,7 +221,10 @@ def scan_for_islands(probe: Probe, limits: Window) -> tuple[Window, np.ndarray]:
     edges, *_ = scan(probe, limits.N)
     ends = outermost(edges.row, edges.high, n_rows)
     ragged = np.bincount(edges.row, minlength=n_rows) > 1
-    return around(limits, *ends, CLEAN_REACH, ISLAND_STEP), ragged
+    window = around(limits, *ends, CLEAN_REACH, limits.step)
+    # Large steps reach farther.
+    low = np.fmin(window.low, outermost(edges.row, edges.low, n_rows)[0])
+    return window._replace(low=low), ragged
 
 
 def island_limits(search: Search, first: np.ndarray, bound: np.ndarray) -> Window:
@@ -218,10 +236,11 @@ def island_limits(search: Search, first: np.ndarray, bound: np.ndarray) -> Windo
     near = first / RAGGED_REACH, first * RAGGED_REACH
     low = np.where(slow, near[0], ISLANDS_FROM * first)
     low = SLACK * bound if search.from_bound else low
-    high = search.highest
-    high = ISLANDS_TO * first if high is None else np.fmax(high, near[1])
+    usual, high, effort = ISLANDS_TO * first, search.highest, search.effort
+    high = usual if high is None else np.fmax(high, near[1])
+    high = high if effort.thorough else np.fmin(high, usual)
     high = np.where(np.isfinite(first), np.where(slow, near[1], high), np.nan)
-    return Window(low, high, np.full(first.size, ISLAND_STEP))
+    return Window(low, high, np.full(first.size, effort.islands))
 
 
 def locate_change(probe: Probe, window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -247,7 +266,8 @@ def look_closely(probe: Probe, rings: np.ndarray, low: np.ndarray, high: np.ndar
     rings: whether it does, (rows,)
     low, high: ends of the edge, refined, (rows,), NaN for rows that are skipped
     """
-    seen = close_edges(probe, *(np.where(rings, end, np.nan) for end in (low, high)))
+    sides = (-1, 1) if probe.effort.thorough else (-1,)
+    seen = close_edges(probe, *(np.where(rings, end, np.nan) for end in (low, high)), sides)
     others = np.flatnonzero(~rings & np.isfinite(high))
     rising = np.ones(others.size, bool)
     edges = joined(seen.edges, Edges(others, low[others], high[others], rising))
@@ -266,18 +286,19 @@ def close_edges(
 
     low, high: ends of the edge, (rows,), NaN for rows that are skipped
     sides: sides that are looked at, -1 below and 1 above
-    reach: largest relative distance of CLOSE_PLACES
+    reach: largest relative distance of the effort's places
     Below a single threshold, runs come nearer to a snap as N grows; above, they snap later the
     closer N is to it. A stretch of the other label disturbs this order far beyond its own ends, as
     runs beside it dwell at the saddle, too. Where the order is broken, all steps in between are
-    tried, above every second one, unless a run has shown another label already.
+    tried, above every second one, unless a run has shown another label already, or runs are dear.
     """
-    steps = CLOSE_PLACES[reach >= CLOSE_STEP * CLOSE_PLACES]
+    steps = np.array(probe.effort.close)
+    steps = steps[reach >= CLOSE_STEP * steps]
     between = np.setdiff1d(np.arange(2, steps[-1]), steps)
     inside = np.searchsorted(steps, between) - 1
     runs = [probe.observe(_beside(low, high, side, steps)) for side in sides]
     others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
-    alone = ~np.any(np.hstack(others), axis=1, keepdims=True)
+    alone = ~np.any(np.hstack(others), axis=1, keepdims=True) & probe.effort.thorough
     N, t_snap = [low, high], [np.full(low.size, np.nan), np.zeros(low.size)]
     for side, run in zip(sides, runs, strict=True):
         nearer = -run.lowest if side < 0 else run.t_snap

@@ -24,7 +24,7 @@ def lowest_latched(probe: Probe, low: np.ndarray, high: np.ndarray) -> np.ndarra
     Runs go to their end, whatever the probe asks. The search goes down from the highest N, which
     must latch with a time step LONGER, too.
     """
-    model, rows, settings, _ = probe
+    model, rows, settings, *_ = probe
     cells = rows.cells(model.device, 0.0, settings.horizon)
     steps = (cells.t_end / steps_and_seconds(model, cells, settings)[0])[:, 0]
     N = amplitudes(np.where(steps <= RUN_STEPS, low, np.nan), high, LATCHED_STEP)

@@ -24,8 +24,8 @@ OTHERS = (
     " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
 )
 """What `snapmap run --help` ends with."""
-SEARCH = 750
-"""Typical number of runs for a clean threshold: 684 to 825 were counted."""
+SEARCH = 50
+"""Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -129,8 +129,8 @@ def run(config: Path, cores: str | None, others: Sequence[str] = ()) -> None:
         cache.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=cache).close()  # Snakemake writes there, or ends in a traceback
     profile = PIPELINE / "profiles" / "default" / "profile.yaml"  # else the study's own, with code
-    options = "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
-    options += "--configfile", config
+    options = "--configfile", config  # it takes all words up to the next option
+    options += "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
     if cores or not any(word.startswith("--profile") for word in others):
         options += "--cores", cores or "all"
     snakemake([str(word) for word in (*options, *others)])

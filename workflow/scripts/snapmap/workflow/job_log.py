@@ -117,7 +117,7 @@ def count_path(log: str | Path) -> Path:
 @contextmanager
 def _counted(log):
     path = count_path(log)
-    look = {"bar_format": "{n_fmt} cells", "mininterval": 1.0, "disable": False}
+    look = {"bar_format": "{n_fmt} cells, {rate_fmt}", "mininterval": 1.0, "disable": False}
     try:
         with open(path, "w", encoding="utf-8") as file, counting("", file=file, **look):
             yield

@@ -63,7 +63,7 @@ def record(
     steps: int,
     start: str = FIRST,
 ) -> tuple[Form, Iterator[Motion]]:
-    """Follow one cell as a sweep does, bit for bit, and record every step.
+    """Follow one cell, bit for bit as a run with `until` "moved", and record every step.
 
     model: of one device; dt: us
     Returns the Form, and an iterable of a Motion for each window of steps.

@@ -33,6 +33,7 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.shock, "required": required}
+        shown["written"] = study.written
         return {"explore": {"horizon": study.run.horizon, **shown}}
 
     def draw(

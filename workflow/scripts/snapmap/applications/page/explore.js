@@ -25,6 +25,7 @@ const PLAIN = {
   hoverlabel: { bgcolor: "white", align: "left" },
   hovermode: "closest",
   showlegend: false,
+  modebar: { color: "#666666", activecolor: "#242424", bgcolor: "rgba(0, 0, 0, 0)" },
   margin: { l: 60, r: 12, t: 30, b: 50 },
 };
 const AXIS = { showline: true, linecolor: "#242424", ticks: "outside", showgrid: false, zeroline: false, automargin: true };
@@ -39,7 +40,7 @@ const BUTTONS = {
 const [BAND, BEAM, TOTAL, AID] = ["rgba(0, 114, 178, 0.35)", "#0072b2", "#d55e00", "#555555"];
 const DASHES = { dash: "8 4", dot: "2 2", dashdot: "8 3 2 3", longdash: "12 4" }; // plotly's dashes in SVG
 const REACH = 4; // the largest energy shown, over the saddle's
-const TICKS = 6; // at most; more would overlap on a phone
+const TICKS = 5; // at most; more would overlap on a phone
 
 async function unpack({ kind, bytes }) {
   const packed = Uint8Array.from(atob(bytes), (sign) => sign.charCodeAt(0));
@@ -77,7 +78,7 @@ function scaleOf({ label, unit, type, values, edges, ticked, bare }) {
   if (ticked) return { ...scale, tickvals: values.filter(kept), ticktext: bare.filter(kept) };
   if (type === "linear") return scale;
   const ticks = roundBetween(low, high);
-  return { ...scale, tickvals: ticks, ticktext: ticks.map(round) };
+  return { ...scale, tickangle: 0, tickvals: ticks, ticktext: ticks.map(round) };
 }
 
 // The axis of durations (ms) above that of frequencies (Hz).
@@ -168,7 +169,7 @@ function describe(i, j) {
   const snap = cells.t_snap[k];
   const lines = [`<b>${state(k).words}</b>`, ...ending(k), say(Y, j), say(X, i)];
   if (isAbsent(k)) return lines.join("; ");
-  return [...lines, Number.isNaN(snap) ? "no snap" : `t<sub>snap</sub> ≈ ${Number(snap.toPrecision(2))} µs`].join("; ");
+  return [...lines, Number.isNaN(snap) ? "no snap" : `snaps at t = ${round(snap)} µs`].join("; ");
 }
 
 // Lines about the end of a cell that its colour does not tell.
@@ -289,7 +290,7 @@ function drawChoice() {
   document.getElementById("cell").innerHTML = values.reverse().join(", ");
   document.getElementById("edge").textContent = isAbsent(k) || !isCell() ? "" : threshold(rowOf(k));
   document.getElementById("verdict").innerHTML = isCell()
-    ? `<b>${state(k).words}:</b> ${verdict(k)}` : "<b>between cells:</b> the page alone follows this shock.";
+    ? `<b>${state(k).words}:</b> ${verdict(k)}` : "<b>between cells:</b> the map has no run of this shock, only the page has, below.";
   document.querySelectorAll(".sliders input").forEach((slider) => slider.show());
   drawDevice();
   followChoice(k);
@@ -326,7 +327,9 @@ async function followChoice(k) {
     if (!done) continue;
     run = { ...value, form, end: 1e-3 / shock.f0 };
     drawRun();
-    line.textContent = followed(k);
+    const isOther = isCell() && endsOtherwise(k);
+    drawScene(isOther ? 0 : 1);
+    line.innerHTML = followed(isOther);
     return;
   }
 }
@@ -352,24 +355,30 @@ function drawRun() {
   const whole = { "xaxis.autorange": true, "yaxis.autorange": true, "yaxis2.range": [0, Math.min(REACH, 1.05 * most)] };
   Plotly.update(motion, curves, { shapes: [{ ...second, y0: form.second, y1: form.second }, saddle, ...moved], ...whole });
   Plotly.Plots.resize(motion); // the window may have changed while it was hidden
-  drawScene(1);
 }
 
 function standing(time) {
   return Number.isNaN(time) ? { visible: false } : { visible: true, x0: time, x1: time };
 }
 
-// Describes the page's own run.
-function followed(k) {
+// Whether the page's own run ends otherwise than that of its cell.
+function endsOtherwise(k) {
+  const isKnown = cells.well[k] && state(k).name !== "elsewhere";
+  const isAcross = isKnown && (cells.well[k] === 2) !== run.isAcross;
+  return outcome(k).name !== "failed" && (isAcross || Number.isNaN(run.snap) !== Number.isNaN(cells.t_snap[k]));
+}
+
+// Says what is drawn; at a cell without times, as the verdict has those of the map's run.
+function followed(isOther) {
   const { snap, settled, isAcross, failed, dt, steps } = run;
-  if (failed) return "The page's own run blew up.";
-  const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps at t = ${round(snap)} µs`;
+  if (failed) return "The page's own run of this shock blew up.";
+  const drawn = `Drawn below is the page's own, simpler run of this shock, in ${steps} steps of ${round(dt)} µs`;
+  if (isCell() && !isOther) return `${drawn}. Its times differ a little from those of the map's run.`;
+  const at = (time) => (isOther ? "" : ` at t = ${round(time)} µs`);
   const shape = study.shapes[Number(isAcross)];
-  const ends = Number.isNaN(settled) ? `last seen on the side of the ${shape} shape` : `it settles in the ${shape} shape at t = ${round(settled)} µs`;
-  const isSure = cells.well[k] && state(k).name !== "elsewhere";
-  const isOther = Number.isNaN(snap) !== Number.isNaN(cells.t_snap[k]) || (isSure && (cells.well[k] === 2) !== isAcross);
-  const differs = isCell() && outcome(k).name !== "failed" && isOther ? " The map tells otherwise, and counts." : "";
-  return `Followed by the page, in ${steps} steps of ${round(dt)} µs: ${snaps}; ${ends}.${differs}`;
+  const snaps = Number.isNaN(snap) ? "it does not snap" : `it snaps${at(snap)}`;
+  const ends = Number.isNaN(settled) ? `is last seen on the side of the ${shape} shape` : `settles in the ${shape} shape${at(settled)}`;
+  return isOther ? `<b>${drawn}. It ends otherwise: ${snaps}, and ${ends}. The map's run counts.</b>` : `${drawn}: ${snaps}, and ${ends}.`;
 }
 
 // Draws beam and mass at a share of the time shown; the beam is a cosine with the midpoint's height.
@@ -424,27 +433,25 @@ function threshold(row) {
 
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated.";
-  const snap = `the midpoint reached the ${study.shapes[1]} equilibrium${when(cells.t_snap[k])}`;
-  const open = `${cells.well[k] ? `; it was ${side(k).join(" ")}` : ""}; what follows is open`;
-  const settled = (shape) => `this run has settled in the ${study.shapes[shape]} shape${when(cells.t_settled[k])}: its energy is too low to leave`;
+  const at = (time) => ` at t = ${round(time)} µs`;
+  const snap = `the midpoint reaches the ${study.shapes[1]} shape${at(cells.t_snap[k])}`;
+  const seen = cells.well[k] ? `; it has not settled, but was ${side(k).join(" ")}` : "; what follows was not simulated";
+  const settled = (shape) => `this run settles in the ${study.shapes[shape]} shape${at(cells.t_settled[k])}: its energy is then too low to leave`;
   return {
-    unsnapped: `no snap within ${round(study.horizon / 1e3)} ms after the pulse${open}.`,
+    unsnapped: `no snap within ${round(study.horizon / 1e3)} ms after the pulse${seen}.`,
     never: `no snap; ${settled(0)}.`,
-    snapped: `${snap}${open}.`,
+    snapped: `${snap}${seen}.`,
     latched: `${snap}; ${settled(1)}.`,
     returned: `${snap}; ${settled(0)}.`,
-    failed: "the run blew up or its energy ledger did not close; nothing is claimed of this cell.",
+    failed: "the run blew up or its energy did not add up; nothing is claimed of this cell.",
   }[outcome(k).name] + withAnotherStep(k);
 }
-
-// The map's time, in its longer steps, unless the page follows the cell and tells its own.
-const when = (time) => (isFollowed() ? "" : ` at t = ${round(time)} µs`);
 
 function withAnotherStep(k) {
   const [work, snap] = [cells.work_error[k], cells.t_snap_error[k]];
   if (Number.isNaN(work)) return "";
-  const time = Number.isNaN(snap) || isFollowed() ? "" : `, the time of snap by ${Number(snap.toPrecision(2))} µs`;
-  return ` With another step, which indicates the error, the work of the pulse differs by ${Number((100 * work).toPrecision(2))} %${time}.`;
+  const time = Number.isNaN(snap) ? "" : ` and ${Number(snap.toPrecision(2))} µs in the time of the snap`;
+  return ` Estimated error, from a second run in other time steps: ${Number((100 * work).toPrecision(2))} % in the work of the pulse${time}.`;
 }
 
 function drawDevice() {
@@ -455,7 +462,7 @@ function drawDevice() {
     `<tr><th scope="row">${words}</th><td>${chosen[key] ?? text}</td></tr>`);
   document.getElementById("device").innerHTML = `The device ${chosen.device ?? ""}`;
   document.getElementById("values").innerHTML = rows.join("");
-  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""].map(([name, ...cells]) =>
+  document.getElementById("vibration").innerHTML = study.vibrations[chosen.device ?? ""][nearest()[SHOCK[2]]].map(([name, ...cells]) =>
     `<tr><th scope="row">${name}</th>${cells.map((cell) => `<td>${cell}</td>`).join("")}</tr>`).join("");
 }
 

@@ -18,7 +18,7 @@ from ...config.devices import read_device
 from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
-from ...device.device import KINDS, STOPS, VALUES
+from ...device.device import STOPS, VALUES
 from ...figures import scales, states, style
 from ...files.text import leaves
 from ...pulse.shocks import HANDOUT_SHOCK
@@ -27,7 +27,7 @@ from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
-from ...values.units import spelling, used
+from ...values.units import is_plain, spelling
 from ..requirements.corners import badness, corner_text, end_text
 from .forms import LIMITS, NUMBERS, forms, pulses
 
@@ -40,9 +40,9 @@ STRUCK = {
 }
 """Words for what the pulse does, by the kind of the drawing."""
 WORDS = {
-    "unsnapped": "no snap, end open",
+    "unsnapped": "no snap, end not known",
     "never": "settles without a snap",
-    "snapped": "snaps, end open",
+    "snapped": "snaps, end not known",
     "latched": "snaps and settles there",
     "returned": "snaps and settles back",
     "failed": "failed",
@@ -55,6 +55,11 @@ RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
 SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
 """Symbols in the drawing of the device."""
+OWN = {
+    "beam.quality_factor": "quality factor of the beam",
+    "quality_factor": "quality factor of the mass",
+}
+"""Words for values that only a config has."""
 EDGES = ("N_first", "N_error", "N_always")
 TOO_LONG = "This shock has too many samples to be followed here; histories in the config follow it."
 OF_LAWS = "This page does not know the laws of the study, so it follows no shock."
@@ -71,6 +76,7 @@ def page(
     pulse: Mapping | None = None,
     required: Sequence[tuple[str, float, float, Sequence[tuple[str, str]]]] = (),
     verdicts: Sequence[Mapping] = (),
+    written: Mapping[str, Mapping] | None = None,
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
@@ -79,15 +85,17 @@ def page(
     title: of the study; pulse: its section, as in `Config`; None for the handout's
     required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
+    written: sections of the devices by name, as the user has them; None for those of the cube
     """
     cells, document = thin(cube), config_of(cube.attrs)
     dims = cells.outcome.dims
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
     named = document.get("devices", {"": document.get("device", {})})
     devices = {html.escape(name): device for name, device in named.items()}
+    own = written or {name or "device": section for name, section in named.items()}
     x, y = _plane(cells)
     has_laws = "laws" in document["model"]
-    dampers = None if has_laws else cells.C.values
+    dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
     of_model = ("name", "laws") if has_laws else ("name",)
     kind, start = _kind_of(devices), SECOND if style.starts(document) else FIRST
     data = {
@@ -97,8 +105,10 @@ def page(
         "start": _opening(cells, x, y),
         "horizon": float(horizon),
         "shapes": STARTS if start == FIRST else STARTS[::-1],
-        "devices": {name: list(_rows(device)) for name, device in devices.items()},
-        "vibrations": {name: _vibration(devices[name], dampers) for name in devices},
+        "devices": {html.escape(name): [*_rows(own[name or "device"])] for name in named},
+        "vibrations": {
+            name: [_vibration(device, C) for C in dampers] for name, device in devices.items()
+        },
         "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
         "wide": states.WIDE,
@@ -232,12 +242,13 @@ def _lacking(devices, dims, document):
     return [*lacking, "second"] if style.starts(document) else lacking
 
 
-def _rows(device):
+def _rows(section):
     """Yield key, words, and value with its unit for each row of the table of a device."""
-    for key, text in leaves(device):
-        name = key.rpartition(".")[2]
-        reads = KINDS[name].reads if name in KINDS else ""
-        yield name, _named(name), html.escape(used(text, reads, typeset=True))
+    for path, text in leaves(section):
+        number, _, unit = text.partition(" ")
+        if is_plain(number) and unit:
+            text = f"{number}\u00a0{spelling(unit).page}"
+        yield path.rpartition(".")[2], _named(path), html.escape(text)
 
 
 def _vibration(device: Mapping, C: Sequence[float] | None):
@@ -248,9 +259,10 @@ def _vibration(device: Mapping, C: Sequence[float] | None):
     ]
 
 
-def _named(name):
+def _named(path):
     """Write the words for a value of the device, with its symbol, as HTML."""
-    words = scales.WORDS[name] if name in scales.WORDS else name.replace("_", " ")
+    name = path.rpartition(".")[2]
+    words = OWN.get(path) or scales.WORDS.get(name) or name.replace("_", " ")
     return f"{html.escape(words)} <i>{SYMBOLS[name]}</i>" if name in SYMBOLS else html.escape(words)
 
 

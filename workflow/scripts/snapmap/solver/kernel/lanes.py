@@ -8,6 +8,7 @@ from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
 from .laws import CONTACT, FORCE, LaneLaws, begin_laws, drives
 from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .quiet import blocks_left, jump
 from .rows import LANES, Rows, Shape, numbers, vectors
 from .step import advance
 
@@ -46,6 +47,7 @@ class Task(NamedTuple):
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
     stop_at_snap, stop_after_pulse: whether a run ends there too
+    jumps: whether runs leave out quiet time (`quiet`)
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
 
@@ -60,6 +62,7 @@ class Task(NamedTuple):
     dt: np.ndarray
     stop_at_snap: bool
     stop_after_pulse: bool
+    jumps: bool
     tolerance: float
     facts: Facts
 
@@ -297,3 +300,9 @@ def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task
                 work[l::LANES] = 0.0
                 cell_in[l], state.lasts[l] = -1, 0
                 running -= 1
+            elif laws is None and task.jumps and state.steps[l] < state.lasts[l]:
+                blocks = blocks_left(X, l, state, task.pulses)
+                if blocks > 0:
+                    beam, mass, contact, _ = energies(X, V, len(shape), l)
+                    drag = task.damping[cell_in[l]] * task.dt[cell_in[l]]
+                    jump(work, shape, l, blocks, state, beam + mass + contact, drag)

@@ -23,7 +23,7 @@ def follow_stress(
     stress: np.ndarray,
     largest: np.ndarray,
 ) -> None:
-    """Follow up to LANES cells as `follow_all` does, bit for bit, for the largest stress.
+    """Follow up to LANES cells for the largest stress, bit for bit as runs that do not jump.
 
     Stress is evaluated half way between two instants, where energies are known.
 
