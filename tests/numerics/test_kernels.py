@@ -34,18 +34,19 @@ def factor(x):
     "variable", ["XDG_CACHE_HOME", pytest.param("NUMBA_CACHE_DIR", marks=pytest.mark.long)]
 )
 def test_a_kernel_is_compiled_by_a_single_process_of_its_own_source(root, tmp_path, variable):
-    """All start at once; what does not compile waits, and loads.
+    """All start at once; what does not compile waits, and loads. Nor does another clone compile.
 
     numba by itself would keep the kernel after an edit: its own file stays as it is.
     """
-    (tmp_path / "outer.py").write_text(OUTER)
-    path = {"PYTHONPATH": f"{tmp_path}:{root / 'workflow' / 'scripts'}", variable: str(tmp_path)}
+    path = {"PYTHONPATH": str(root / "workflow" / "scripts"), variable: str(tmp_path)}
     how = {"env": os.environ | path, "stdout": subprocess.PIPE, "text": True}
     folder = path.get("NUMBA_CACHE_DIR", "").split()
-    for factor, hits in ((3.0, "011"), (5.0, "0")):
-        (tmp_path / "inner.py").write_text(f"{INNER}    return {factor}")
+    for clone, factor, hits in (("one", 3.0, "011"), ("one", 5.0, "0"), ("other", 5.0, "1")):
+        (place := tmp_path / clone).mkdir(exist_ok=True)
+        (place / "outer.py").write_text(OUTER)
+        (place / "inner.py").write_text(f"{INNER}    return {factor}")
         command = [sys.executable, "-B", "-c", "import outer"]
-        runs = [subprocess.Popen(command, **how) for _ in hits]
+        runs = [subprocess.Popen(command, **how, cwd=place) for _ in hits]
         printed = [run.communicate(timeout=120)[0].split() for run in runs]
         assert sorted(printed) == [[str(2 * factor), count, *folder] for count in hits]
     assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2

@@ -60,13 +60,13 @@ ANOTHER = {"OPENBLAS_CORETYPE": "Haswell", "NUMBA_CPU_NAME": "haswell"}
 """Vectors of 256 bits, in which LLVM takes its own order of instructions."""
 if not IS_X86:
     ANOTHER = {"OPENBLAS_CORETYPE": "ARMV8", "NUMBA_CPU_NAME": "generic"}
-OTHERS = {
-    "any with FMA": {"OPENBLAS_CORETYPE": "Zen", "NUMBA_CPU_NAME": "x86-64-v3"},
-    "no wide vectors": {
+OTHERS = {"another": ANOTHER}
+if IS_X86:
+    OTHERS["any with FMA"] = {"OPENBLAS_CORETYPE": "Zen", "NUMBA_CPU_NAME": "x86-64-v3"}
+    OTHERS["no wide vectors"] = {
         "OPENBLAS_CORETYPE": "SkylakeX",
         "NPY_DISABLE_CPU_FEATURES": "X86_V4 X86_V3",
-    },
-}
+    }
 
 
 def compute(root, folder, processor, *names):
@@ -80,15 +80,15 @@ def compute(root, folder, processor, *names):
 
 
 def test_another_processor_changes_no_bit(root, tmp_path):
-    """Its kernels are compiled afresh; here they may come from the cache."""
-    cache, names = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}, ("cosines", "reference", "quality")
-    elsewhere = compute(root, tmp_path, ANOTHER | cache, *names)
-    assert elsewhere == compute(root, tmp_path, {}, *names)
-    assert {key: elsewhere[key] for key in BITS} == BITS
+    """Its kernel is compiled afresh; here they may come from the cache."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    elsewhere = compute(root, tmp_path, ANOTHER | cache, "cosines")
+    here = compute(root, tmp_path, {}, "cosines", "reference", "quality")
+    assert len(elsewhere) == 2 and elsewhere.items() <= here.items()
+    assert {key: here[key] for key in BITS} == BITS
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not IS_X86, reason="imitates processors of the kind x86-64")
 @pytest.mark.parametrize("processor", OTHERS)
 def test_no_product_changes_a_bit(root, tmp_path, processor):
     cache, here = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}, compute(root, tmp_path, {})

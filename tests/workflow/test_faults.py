@@ -17,7 +17,7 @@ from small_studies import THREE_COSINES
 import snapmap
 from snapmap.config.study import load_config
 from snapmap.solver.options import Cosines
-from snapmap.workflow.made import LIST
+from snapmap.workflow.made import HEAD, LIST
 
 STUDY = f"""{THREE_COSINES}sweep:
   N: {{from: 600, to: 2400, points: 60}}
@@ -25,6 +25,7 @@ STUDY = f"""{THREE_COSINES}sweep:
   C: [0.025 uN*us/um, 25 uN*us/um]
 run: {{horizon: 40 ms, until: snap}}
 """
+OLD = "results/window.nc"
 
 
 class Folder:
@@ -86,8 +87,15 @@ def folder(root, tmp_path):
 
 @pytest.fixture(scope="module")
 def resumed(root, tmp_path_factory):
-    """A run killed on its way, refused beside itself, and gone on with by the same command."""
+    """A run killed on its way, refused beside itself, and gone on with by the same command.
+
+    As that asks for the cube alone, it leaves what an older config has asked for.
+    """
     folder, seen = Folder(root, tmp_path_factory.mktemp("resumed")), set()
+    old = folder.path / OLD
+    old.parent.mkdir()
+    old.write_text("an old line")
+    (old.parent / LIST).write_text(f"{HEAD}\n{OLD}\n")
     run = folder.start()
     # With two jobs begun on one core, one is done and on Snakemake's record.
     wait_for(lambda: seen.update(jobs_of(run)) or len(seen) == 2, run)
@@ -100,8 +108,9 @@ def resumed(root, tmp_path_factory):
     kill_at_once([*stopped.children(recursive=True), stopped])
     run.communicate()
     (folder.slabs / "0123456789abcdef.nc.99.part").touch()
-    folder.run()
-    after = folder.finished()
+    output, after = folder.run(), folder.finished()
+    assert "results/cube.nc: 2400 cells" in output and "an old line" not in output
+    assert old.exists() and "results/threshold.nc" not in output
     assert len(before) == 1 and before.items() < after.items() and len(after) == 2
     return folder
 

@@ -2,7 +2,7 @@
 
 Kernels give the same bits on every machine. They are kept on disk, in a folder named by a hash of
 their sources and numba's version, so that an edited kernel never meets an older one, nor one of
-another numba; each file there ends with a hash.
+another numba, and all clones share those of the same sources; each file there ends with a hash.
 """
 
 import fcntl
@@ -79,13 +79,17 @@ def compiled(function: Callable) -> Callable:
     chosen_by_user = config.CACHE_DIR
     cache_folder = chosen_by_user or AppDirs("snapmap", False).user_cache_dir
     sources = _hash(Path(function.__code__.co_filename).parent)
-    config.CACHE_DIR = str(Path(cache_folder, f"kernels_{sources}"))
+    config.CACHE_DIR = folder = str(Path(cache_folder, f"kernels_{sources}"))
     # Unless these are named, numba hands down those of an inlined caller.
     options = dict.fromkeys(INLINED, False)
     try:
-        return njit(nogil=True, cache=True, error_model="numpy", **options)(function)
+        kernel = njit(nogil=True, cache=True, error_model="numpy", **options)(function)
     finally:
         config.CACHE_DIR = chosen_by_user
+    # numba's own file would be of one clone: its folder is named by the path of the source.
+    kept = kernel._cache
+    kept._cache_file = _CacheFile(folder, kept._impl.filename_base, sources)
+    return kernel
 
 
 def inlined(function: Callable) -> Callable:
