@@ -32,7 +32,7 @@ from .random_devices import (
 )
 from .tables import Table, write
 
-SEED, DEVICES, DEVICES_OF_ALL = 53, 45, 150
+SEED, DEVICES, DEVICES_OF_ALL = 53, 45, 60
 KEYS = "N_first", "N_error", "ragged"
 MODELS = {
     "auto": Auto(),
@@ -45,7 +45,7 @@ JUDGED_STEP = 0.2
 which they agree is well posed."""
 MOST_STEPS = 3e5
 """Largest number of steps of a judge's run; rows that need more are left out. Only pulses with
-corners need as many, across gaps or between stops; the 150 devices then take half an hour."""
+corners need as many, across gaps or between stops."""
 AGREED, REFINED = 3e-4, 1e-5
 """Largest difference between judges that agree, and tolerance of their thresholds; relative."""
 REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP

@@ -13,7 +13,16 @@ import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
 from PIL import Image
-from small_results import ATTRIBUTES, CONFIG, TINY, artists, drawn, make_found, visible
+from small_results import (
+    ATTRIBUTES,
+    CONFIG,
+    TINY,
+    artists,
+    drawn,
+    legend_words,
+    make_found,
+    visible,
+)
 
 from snapmap.applications.boundary import figure as boundary
 from snapmap.figures import curves, maps, scales, style, thresholds
@@ -36,11 +45,36 @@ def test_edges_lie_midway_and_surround_a_lone_value(key, values, edges):
     assert scales.scale_of(key, np.array(values)).edges == pytest.approx(edges)
 
 
-@pytest.mark.parametrize(("values", "ends"), [(7, (0.5, 7.5)), (8, (1.0, 8.0)), (9, (1.0, 9.0))])
-def test_an_axis_of_eight_values_or_more_ends_at_the_first_and_the_last(values, ends):
-    ax = style.single_column(height=3).subplots()
-    scales.set_scale(ax, "x", scales.scale_of("N", np.arange(1.0, values + 1)))
+@pytest.mark.parametrize(
+    ("key", "values", "ends"),
+    [
+        ("N", [2.0, 7.0], (2.0, 7.0)),
+        ("f0", [100.0, 400.0, 6400.0], (100.0, 6400.0)),
+        ("temperature", [-40.0, 20.0, 60.0, 80.0, 100.0, 125.0], (-40.0, 125.0)),
+        *(("N", [1500.0], (1350.0, 1650.0)), ("C", [25.0, 200.0], (-0.5, 1.5))),
+        ("temperature", [-40.0, 21.5, 125.0], (-0.5, 2.5)),
+    ],
+)
+def test_an_axis_ends_at_its_first_and_last_value_and_few_of_a_device_are_columns(
+    key, values, ends
+):
+    ax, scale = style.single_column(height=3).subplots(), scales.cells_of(key, np.array(values))
+    scales.set_scale(ax, "x", scale)
     assert ax.get_xlim() == ends
+    if scale.is_counted:
+        texts = [text.get_text() for text in ax.get_xticklabels()]
+        assert texts == [scales.number(value) for value in values]
+        assert ax.get_xticks().tolist() == scale.places.tolist()
+
+
+def test_space_for_markers_is_a_little_of_an_axis_beyond_its_data():
+    for key, values in (("temperature", [-40.0, 21.5, 125.0]), ("f0", [100.0, 400.0, 6400.0])):
+        ax, scale = style.single_column(height=3).subplots(), scales.scale_of(key, np.array(values))
+        scales.set_scale(ax, "x", scale)
+        scales.leave_space(ax, "x", scale)
+        at = ax.transAxes.inverted().transform
+        ends = at(ax.transData.transform([[values[0], 0.5], [values[-1], 0.5]]))[:, 0]
+        assert (0 < ends[0] < 0.04) and (0.96 < ends[1] < 1)
 
 
 def test_numbers_and_directions_have_a_minus_sign_and_names_keep_their_hyphen():
@@ -138,14 +172,33 @@ def test_a_map_of_thresholds_has_their_values():
     assert mesh.get_array().tolist() == make_found().N_first.transpose("C", "f0").values.tolist()
 
 
-def test_the_limit_of_long_pulses_is_the_law_of_the_dwell_where_that_holds():
-    """Within 1 % of the threshold, of every line its own; beyond it is horizontal."""
+def test_the_limit_of_long_pulses_begins_nowhere_and_lines_that_share_it_have_one():
     results = make_found()
     results["N_slow"] = results.N_first * [1.005, 0.995, 1.1]
-    ax = drawn(thresholds.draw_thresholds, results)
-    for line, N in zip(limits(ax, curves.LONG), results.N_slow.values, strict=True):
-        assert visible(line) == [[100.0, N[0]], [1000.0, N[1]]]
-        assert visible(ax.lines[ax.lines.index(line) + 1]) == [[10000.0, 990.0]]
+    (limit,) = limits(drawn(thresholds.draw_thresholds, results), curves.LONG)
+    assert limit.get_xydata().tolist() == [[0, 990.0], [1, 990.0]]  # from edge to edge
+    assert limit.get_label() == "limit of long pulses, $N$ = 990"
+    two = results.assign(N_static=("C", [990.0, 995.0]))
+    assert len(limits(drawn(thresholds.draw_thresholds, two), curves.LONG)) == 2
+
+
+def test_an_axis_of_thresholds_goes_as_far_as_they_vary_whatever_their_limits():
+    """From the least N_first to the largest N_always; a limit beyond is in no legend."""
+    for static in (100.0, 990.0):
+        ax = drawn(thresholds.draw_thresholds, make_found().assign(N_static=static))
+        ends = (993 / thresholds.BEYOND, 2301 * thresholds.BEYOND)
+        assert ax.get_ylim() == pytest.approx(ends)
+        assert any(words.startswith(curves.LONG) for words in legend_words(ax)) == (static > 900)
+
+
+def test_a_legend_has_no_gap_and_no_island_that_is_too_small_to_see():
+    words = "some $N$ here do not snap", "island of $N$ that snap"
+    seen = legend_words(drawn(thresholds.draw_thresholds, make_found()))
+    assert {*words} <= {*seen}
+    thin = make_found()
+    thin["N_always"] = thin.N_first * (1 + 1e-5)
+    thin["island_to"] = thin.island_from * (1 + 1e-5)
+    assert not {*words} & {*legend_words(drawn(thresholds.draw_thresholds, thin))}
 
 
 def test_figures_of_a_pushed_beam_count_its_force():

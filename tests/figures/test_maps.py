@@ -14,7 +14,7 @@ from small_results import TINY, artists, legend_words, make_cells, make_found, v
 
 import snapmap
 from snapmap.config.points import Point, read_points
-from snapmap.figures import curves, maps, plane, style
+from snapmap.figures import curves, maps, plane, scales, style
 from snapmap.figures import states as S
 from snapmap.sweeps.cube import summary, with_summary
 
@@ -171,6 +171,23 @@ def test_a_map_of_times_shows_the_snap_times_and_grey_elsewhere(last, unit, time
     assert unit in ax.figure.axes[1].get_xlabel()
 
 
+def test_maps_of_several_axes_lie_in_rows_and_columns():
+    """A column has one value of an axis, and each row one of the others."""
+    for sizes, columns in (((3, 2), 3), ((2, 3), 3), ((2, 3, 2), 3), ((2, 2), 2), ((1, 4, 2), 4)):
+        keys = ("device", "temperature", "C")[: len(sizes)]
+        points = [*itertools.product(*(map(float, range(size)) for size in sizes))]
+        cells = [TINY.assign_coords(dict(zip(keys, point, strict=True))) for point in points]
+        panels, across = maps._in_columns([(part, None, ()) for part in cells])
+        assert across == columns
+        grid = np.array([[part[key].item() for key in keys] for part, *_ in panels])
+        assert {*map(tuple, grid.tolist())} == {*points}
+        grid = grid.reshape(-1, columns, len(keys))
+        in_columns, in_rows = (grid == grid[:1]).all((0, 1)), (grid == grid[:, :1]).all((0, 1))
+        assert (in_columns | in_rows).all()
+    others = [(TINY.assign_coords(C=float(C)), None, ()) for C in range(5)]
+    assert maps._in_columns(others) == (others, 3)
+
+
 def test_panels_of_times_share_their_colours_and_one_bar():
     panels = [
         (TINY.assign(t_snap=TINY.t_snap * factor).assign_coords(C=C), None, ())
@@ -188,7 +205,8 @@ def test_a_map_has_the_threshold_in_its_band_dashed_where_late_and_marked_where_
     assert (dashed.get_linestyle(), solid.get_linestyle()) == ("--", "-")
     assert visible(solid) == [[100.0, 1000.0], [1000.0, 1100.0]]
     assert visible(dashed) == [[1000.0, 1100.0], [10000.0, 2000.0]]
-    assert visible(always) == [[10000.0, 2300.0]]
+    ends = [[10**3.5, 2300.0], [10**4.5, 2300.0]]  # halfway to its neighbours
+    np.testing.assert_allclose(visible(always), ends)
     (band,) = artists(ax, FillBetweenPolyCollection)
     corners = band.get_paths()[0].vertices
     assert {993.0, 1007.0} <= set(corners[corners[:, 0] == 100.0, 1])
@@ -228,8 +246,10 @@ def test_points_and_shocks_stand_at_their_duration_where_that_is_the_axis():
 
 def test_what_snaps_always_is_marked_where_it_differs_by_more_than_the_error():
     found, apart = make_found().isel(C=0), xr.DataArray([7.0, 8.0, 300.0], dims="f0")
-    curves.draw_band(ax := axes(), np.arange(3.0), found.assign(N_always=found.N_first + apart))
-    assert visible(ax.lines[2]) == [[1.0, 1108.0], [2.0, 2300.0]]
+    scale = scales.scale_of("N", np.arange(3.0))
+    curves.draw_band(ax := axes(), scale, found.assign(N_always=found.N_first + apart))
+    steps = [[0.5, 1108.0], [1.5, 1108.0], [1.5, 2300.0], [2.5, 2300.0]]
+    assert visible(ax.lines[2]) == steps
 
 
 def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():

@@ -11,8 +11,7 @@ from matplotlib.patheffects import withStroke
 
 from ..files.text import plain
 from ..numerics.portable import evenly
-from ..thresholds.slow import HOLDS
-from .scales import scale_of, value_text
+from .scales import Scale, scale_of, value_text
 
 LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
 """Colours and markers of lines, in order; the first ones differ in grey, too."""
@@ -22,12 +21,14 @@ LONG, SHORT = "limit of long pulses", "limit of short pulses"
 DASHES, DOT = {LONG: (8, 1.5), SHORT: (3, 1.5)}, (1, 1.5)
 """Lengths of dashes and dots: limits of line n have n dots after each dash."""
 BAND = {"color": "0.25", "alpha": 0.35, "linewidth": 0, "label": "error of the threshold"}
-ALWAYS = {"color": "black", "linewidth": 0.6, "marker": "_", "markersize": 5}
-ALWAYS |= {"path_effects": [withStroke(linewidth=2, foreground="white")]}
+HALO = {"path_effects": [withStroke(linewidth=2, foreground="white")]}
+ALWAYS = {"color": "black", "linewidth": 0.8, "solid_capstyle": "butt", **HALO}
 ALWAYS["label"] = "above it every $N$ snaps"
 """Looks of the band of errors around N_first on a map, and of N_always where it differs."""
 STAYS = {"linestyle": "", "marker": CARETUPBASE, "markersize": 4.5, "markeredgewidth": 0.6}
 """Look of an N above which beams stay: the head of an arrow, which a marker below does not hide."""
+VISIBLE = 0.7
+"""Least distance that a reader sees, pt."""
 MISSING = {"linestyle": "", "marker": "x", "markersize": 3, "markeredgewidth": 0.8}
 FIRST_ROW, NEXT_ROW = 0.975, 0.03
 """Height of the crosses for missing points of the first line, and distance to those of the next."""
@@ -72,15 +73,29 @@ def draw_curve(
     _draw_line(ax, x, curve, look, every)
 
 
-def draw_band(ax: Axes, x: np.ndarray, curve: xr.Dataset) -> None:
-    """Draw N_first over x in a band as wide as its error, and N_always where it differs."""
-    N, error = curve.N_first.values, _known_error(curve)
-    _draw_line(ax, x, curve, {"color": "black"}, label="threshold")
-    ax.fill_between(x, N - error.values, N + error.values, **BAND)
+def draw_band(ax: Axes, scale: Scale, curve: xr.Dataset) -> None:
+    """Draw N_first over an axis in a band as wide as its error, and N_always where it differs.
+
+    N_always is a level line across its part of the axis, halfway to its neighbours.
+    """
+    x, N, error = scale.places, curve.N_first.values, _known_error(curve)
+    _draw_line(ax, x, curve, {"color": "black", **HALO}, label="threshold")
+    low, high = N - error.values, N + error.values
+    if is_seen(ax, low, high):
+        ax.fill_between(x, low, high, **BAND)
     mark_missing(ax, x, curve, "black")
-    has_gap = curve.N_always > curve.N_first + error.fillna(0)
-    if has_gap.any():
-        ax.plot(x, curve.N_always.where(has_gap).values, **ALWAYS)
+    always = curve.N_always.where(curve.N_always > curve.N_first + error.fillna(0)).values
+    if is_seen(ax, N, always):
+        steps = np.repeat(always, 3)
+        steps[2::3] = np.nan  # between columns
+        left, right = scale.edges[:-1], scale.edges[1:]
+        ax.plot(np.ravel([left, right, right], "F"), steps, **ALWAYS)
+
+
+def is_seen(ax: Axes, low: np.ndarray, high: np.ndarray) -> bool:
+    """Tell whether some values of N are farther apart in axes than a thin line is wide."""
+    places = [ax.transData.transform(np.stack([0 * N + 1, N], 1))[:, 1] for N in (low, high)]
+    return bool(((places[1] - places[0]) * 72 / ax.get_figure().dpi >= VISIBLE).any())
 
 
 def _draw_line(ax, x, curve, look, every=1, label=None):
@@ -113,20 +128,10 @@ def cross(ax: Axes, x: np.ndarray, height: float, colour: str, label: str) -> No
 def draw_static(ax: Axes, curve: xr.Dataset, x: str, colour: str = "0.4", place: int = 0) -> None:
     """Draw the limit of long pulses of a line over an axis; place: index of the line."""
     look, static = limit_look(LONG, colour, place), curve.N_static
-    slow = holding(curve.N_slow, curve)
-    if x == "f0" and slow.notnull().any():
-        places, label = scale_of(x, curve[x].values).places, f"$N$ = {plain(static.item())} on"
-        ax.plot(places, slow.values, label=f"{LONG}, from {label}", **look)
-        ax.plot(places, static.where(slow.isnull()).values, **look)
-    elif x in static.dims:
+    if x in static.dims:
         ax.plot(scale_of(x, curve[x].values).places, static.values, label=LONG, **look)
     elif np.isfinite(static):
         ax.axhline(static.item(), label=f"{LONG}, $N$ = {plain(static.item())}", **look)
-
-
-def holding(law: xr.DataArray, thresholds: xr.Dataset) -> xr.DataArray:
-    """Give the amplitudes of a law where it is within HOLDS of the threshold; NaN elsewhere."""
-    return law.where(abs(law / thresholds.N_first - 1) <= HOLDS)
 
 
 def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> None:
@@ -141,7 +146,8 @@ def draw_impulsive(ax: Axes, curve: xr.Dataset, colour: str, place: int = 0) -> 
 def limit_look(limit: str, colour: str, place: int) -> dict:
     """Give the look of LONG or SHORT of a line; place: index of the line."""
     dashes = (0, DASHES[limit] + DOT * (place + 1))
-    return {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
+    look = {"color": colour, "linestyle": dashes, "linewidth": 0.6, "zorder": 1.5}
+    return look | (HALO if colour == "black" else {})  # on a map, and in its legend on any paper
 
 
 def velocity_change(curve: xr.Dataset) -> xr.DataArray:

@@ -22,6 +22,8 @@ from .scales import place_text, scale_of, tick
 
 RATIO = 0.72
 """Height over width of the axes of a map."""
+MOST_COLUMNS = 4
+"""Most maps side by side, and most below each other where axes have rows and columns."""
 
 
 def draw_map(
@@ -45,7 +47,8 @@ def draw_map(
     look = _time_look([cells]) if shows == "times" else {}
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
     ax.set_title(place_text(cells))
-    words = [style.case(cells.attrs, style.COLUMN), _numbered(names, style.COLUMN)]
+    width = style.signs(ax.get_figure())
+    words = [style.case(cells.attrs, width), _numbered(names, width)]
     style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
     _add_time_bar(ax.get_figure(), ax, field, look)
     return ax
@@ -161,7 +164,13 @@ def plot_outcome(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
-    return draw_map(ax or style.notebook_axes(), cells, thresholds, x, y, shows=shows)
+    axes = ax or style.notebook_axes()
+    _fill_map(axes, cells, thresholds, x, y, shows=shows)
+    if ax:  # in axes of the user's own size there is little room
+        _remove_durations(ax)
+    axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
+    style.legend(axes, _keys([cells], [axes], shows))
+    return axes
 
 
 def draw_maps(
@@ -177,7 +186,7 @@ def draw_maps(
     panels: cells, thresholds or None, and required shocks of each map, as for `draw_map`
     Sets the height of the figure. Returns the axes, (rows, columns), None where there is no map.
     """
-    columns = 2 if len(panels) in (1, 2, 4) else 3 if len(panels) in (3, 5, 6, 9) else 4
+    panels, columns = _in_columns(panels)
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, *_ in panels]
@@ -201,8 +210,7 @@ def draw_maps(
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
-            for top in list(ax.child_axes):
-                top.remove()
+            _remove_durations(ax)
     words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
     words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
     drawn = axes.flat[: len(panels)]
@@ -218,7 +226,32 @@ def draw_maps(
     return axes
 
 
-def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
+def _in_columns(panels):
+    """Order maps in rows and columns, so that a column has one value of an axis.
+
+    Returns the maps and the number of columns.
+    """
+    cells = [cells for cells, *_ in panels]
+    alone = [key for key in cells[0].coords if cells[0][key].ndim == 0]
+    values = {key: [part[key].item() for part in cells] for key in alone}
+    sizes = {key: len({*those}) for key, those in values.items() if len({*those}) > 1}
+    rows = {key: len(panels) / size for key, size in sizes.items() if size <= MOST_COLUMNS}
+    fitting = [key for key in rows if 1 < rows[key] <= MOST_COLUMNS]
+    if not fitting or np.prod([*sizes.values()]) != len(panels):
+        few = {1: 2, 2: 2, 4: 2, 3: 3, 5: 3, 6: 3, 9: 3}
+        return panels, few.get(len(panels), MOST_COLUMNS)
+    across = max(reversed(fitting), key=sizes.get)
+    order = list(dict.fromkeys(values[across]))
+    turn = sorted(range(len(panels)), key=lambda i: order.index(values[across][i]))
+    return [panels[i] for i in np.reshape(turn, (len(order), -1)).T.flat], len(order)
+
+
+def _remove_durations(ax):
+    for top in list(ax.child_axes):
+        top.remove()
+
+
+def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snaps", look=None):
     """Draw a map; returns its field of times, or None, and the names of its shocks by number."""
     cells = plane.thin(cells, x, y)
     across = plane.open_plane(ax, cells, x, y)
@@ -233,8 +266,11 @@ def _fill_map(ax, cells, thresholds, x, y, shocks, own_points, shows, look):
         plane.hatch(ax, cells.stress_share >= 1, *across, plane.BREAKS)
     plane.freeze(ax)
     if thresholds is not None and y == "N":
-        thresholds = thresholds.sortby(x) if thresholds[x].dtype.kind in "fiu" else thresholds
-        draw_band(ax, scale_of(x, thresholds[x].values).places, thresholds)
+        if across[0].is_counted:
+            thresholds = thresholds.reindex({x: across[0].values})
+            thresholds = thresholds.assign_coords({x: across[0].places})
+        thresholds = thresholds.sortby(x)
+        draw_band(ax, scale_of(x, thresholds[x].values), thresholds)
         draw_static(ax, thresholds, x, "black")
         if x == "f0":
             draw_impulsive(ax, thresholds, "black")

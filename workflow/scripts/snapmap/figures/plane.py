@@ -13,7 +13,7 @@ from matplotlib.path import Path
 
 from ..config.points import Point
 from . import style
-from .scales import Scale, scale_of, set_scale, study_axis, value_text
+from .scales import Scale, cells_of, set_scale, study_axis, value_text
 from .states import State
 
 HATCHES = {
@@ -62,7 +62,7 @@ def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:
     """Scale and name both axes for ascending cells; returns the scales of x and y."""
-    scales = scale_of(x, cells[x].values), scale_of(y, cells[y].values)
+    scales = cells_of(x, cells[x].values), cells_of(y, cells[y].values)
     study_axis(ax, scales[0], cells.attrs)
     set_scale(ax, "y", scales[1], cells.attrs)
     return scales
@@ -109,15 +109,17 @@ def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Itera
     values = (codes.values[codes.values >= 0] for codes in panels)
     counts = sum(np.bincount(codes, minlength=len(states)) for codes in values).tolist()
     for state, count in zip(states, counts, strict=True):
-        pattern = {"edgecolor": "black"} | HATCHES.get(state.name, {})
+        pattern = {"edgecolor": "0.5"} | HATCHES.get(state.name, {})
         words = f"{state.words} ({count} cell{'s' if count > 1 else ''})"
         if count:
             yield Patch(facecolor=state.colour, label=words, **pattern)
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
-    """Add a colour bar, below the only axes of a figure, or else beside axes."""
-    place = "bottom" if style.is_alone(ax) else "right"
+    """Add a colour bar, below the only axes of a figure that is not wide, or else beside axes."""
+    width, height = ax.get_figure().bbox.size
+    place = "bottom" if style.is_alone(ax) and height >= width else "right"
+    style.engine_of(ax.get_figure())  # which cannot place a bar that is older than itself
     return ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.ticker import LogLocator, MaxNLocator
@@ -29,8 +30,10 @@ LABELS = {row["name"]: row["label"] or row["words"] for row in _ROWS}
 """Name of each quantity along its axis."""
 SEVERAL = 10
 """Most values of an axis that all have a tick; of more, every nth has."""
-MANY = 8
-"""Least number of values of an axis that ends at the first and last, not at the edges of cells."""
+FEW = 5
+"""Most values of the device or its damper that a map shows as columns, each with its tick."""
+SPACE = 0.03
+"""Share of an axis beyond its first and last value, for markers."""
 THIN, FROM = "\u2009", 10_000
 """The space between thousands, and the least number that has it."""
 SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
@@ -79,6 +82,13 @@ def scale_of(key: str, values: np.ndarray) -> Scale:
     return Scale(key, values, values, edges, bool(is_log), False)
 
 
+def cells_of(key: str, values: np.ndarray) -> Scale:
+    """Choose a scale for the cells of a map: few values, but those of the shock, are counted."""
+    if values.size > FEW or key in ("f0", DURATION, "N"):
+        return scale_of(key, values)
+    return scale_of(key, values.astype(object))._replace(values=values)
+
+
 def _edges(values, half):
     """Give the edges of cells around n ascending values, halfway between neighbours, (n + 1,).
 
@@ -101,13 +111,22 @@ def _is_geometric(values):
 def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
     """Scale and name an axis, "x" or "y", and choose its ticks; attributes: as for `axis_label`."""
     axis = getattr(ax, f"{which}axis")
-    ends = scale.places if scale.places.size >= MANY else scale.edges
+    is_row = scale.places.size > 1 and not scale.is_counted
+    ends = scale.places if is_row else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
     axis.set_label_text(axis_label(scale.key, attributes))
-    if scale.is_counted or scale.values.size == 1:
+    if not is_row:
         tick_values(axis, scale.places, scale.values)
     else:
         tick(axis, ends[0], ends[-1], scale.is_log)
+
+
+def leave_space(ax: Axes, which: str, scale: Scale) -> None:
+    """Leave some space for markers at both ends of an axis, "x" or "y", that has several values."""
+    if scale.places.size > 1 and not scale.is_counted:
+        low, high = np.log(scale.places[[0, -1]]) if scale.is_log else scale.places[[0, -1]]
+        ends = np.array([low, high]) + SPACE * (high - low) * np.array([-1, 1])
+        ax.set(**{f"{which}lim": np.exp(ends) if scale.is_log else ends})
 
 
 def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
@@ -200,4 +219,5 @@ def number(value: float | str, digits: int = 4) -> str:
     if not math.isfinite(value):
         return "hard" if value == math.inf else "?"
     sign, size = "−" if value < 0 else "", plain(abs(value), digits)
-    return sign + (f"{float(size):,.0f}".replace(",", THIN) if FROM <= float(size) < 1e7 else size)
+    thin = r"\," if rcParams["text.usetex"] else THIN
+    return sign + (f"{float(size):,.0f}".replace(",", thin) if FROM <= float(size) < 1e7 else size)

@@ -1,5 +1,6 @@
 """The style of all figures for print: sheet, sizes, legends, words, and how they are saved."""
 
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
@@ -14,10 +15,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import Collection
 from matplotlib.container import Container
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.font_manager import FontProperties
+from matplotlib.layout_engine import ConstrainedLayoutEngine, LayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.transforms import Bbox
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox, ScaledTranslation
 from numpy.typing import ArrayLike
 
 from ..config.renamed import config_of
@@ -30,8 +34,16 @@ from ..study.provenance import unit_of_C
 from ..values.damper import damper_in
 from ..values.units import used
 
-COLUMN, PAGE = 56, 130
-"""Most signs in a line over one column, and over two."""
+PAGE = 130
+"""Most signs in a line over two columns."""
+SIGN = 0.62
+"""Width of a sign over the size of its font, on average, with some room to spare."""
+SMALLEST, HIGHEST = 5.0, 1 / 3
+"""Least size of letters that is chosen, pt, and largest share of the height for a legend."""
+GAP = 0.05
+"""Distance between the labels of axes and the legend below them, in."""
+SPECIAL = re.compile(r"(?<!\\)[%&#]")
+"""Signs that LaTeX needs escaped; matplotlib itself escapes an underscore."""
 HARD = "\u00a0"
 """A space at which no line breaks."""
 DPI = 300
@@ -73,8 +85,12 @@ def notebook_axes() -> Axes:
 
 
 def is_alone(ax: Axes) -> bool:
-    """Tell whether axes are the only ones of their figure or subfigure."""
-    return ax.get_figure().axes == [ax]
+    """Tell whether axes are the only ones of their figure or subfigure, but for colour bars."""
+    return [other for other in ax.get_figure().axes if not _is_colour_bar(other)] == [ax]
+
+
+def _is_colour_bar(ax):
+    return ax.get_label() == "<colorbar>"
 
 
 def labelled(axes: Iterable[Axes]) -> list[Artist]:
@@ -97,27 +113,99 @@ def _is_seen(ax, artist):
     """Tell whether part of an artist lies within its axes."""
     drawn = artist[0] if isinstance(artist, Container) else artist
     paths = drawn.get_paths() if isinstance(drawn, Collection) else [drawn.get_path()]
+    if isinstance(drawn, Line2D) and drawn.get_linestyle() != "None" and len(paths[0]) > 1:
+        line = drawn.get_transform().transform_path(paths[0])
+        return line.intersects_bbox(ax.bbox, filled=False)
     points = np.concatenate([np.empty((0, 2)), *(path.vertices for path in paths)])
     points = drawn.get_transform().transform(points[np.isfinite(points).all(axis=1)])
     return points.size > 0 and Bbox([points.min(0), points.max(0)]).overlaps(ax.bbox)
 
 
+def points(key: str) -> float:
+    """Give the size of a font of the user's settings, pt."""
+    return FontProperties(size=matplotlib.rcParams[key]).get_size_in_points()
+
+
+def signs(where: Axes | FigureBase, key: str = "legend.title_fontsize") -> int:
+    """Tell how many signs a line as wide as a figure or axes has in a font of the settings."""
+    width = where.bbox.width / where.figure.dpi * 72
+    return int(width / (SIGN * points(key)))
+
+
+def engine_of(figure: FigureBase) -> LayoutEngine:
+    """Give the layout engine of a figure, the constrained one if it had none."""
+    if figure.get_layout_engine() is None:
+        figure.figure.set_layout_engine("constrained")
+    return figure.get_layout_engine()
+
+
 def legend(
     where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
 ) -> Legend:
-    """Put a legend below a figure or axes, in at most `ncols` columns, as there is room."""
-    if isinstance(where, Axes) and is_alone(where):
-        where = where.get_figure()
-    place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2)}
-    if isinstance(where, FigureBase):
-        place = {"loc": "outside lower center"}
-    keys = list(keys)
-    while True:
-        made = where.legend(handles=keys, title=title, ncols=ncols, **place)
-        if ncols == 1 or made.get_window_extent().width <= where.bbox.width:
+    """Put a legend below a figure or axes, with room for it and for the labels of the axes.
+
+    It has at most `ncols` columns, and smaller letters than in the settings where room is little.
+    A figure without a layout engine gets the constrained one.
+    """
+    ax, figure = (where, where.get_figure()) if isinstance(where, Axes) else (None, where)
+    for text in (ax or figure).findobj(Text):
+        text.set_text(_escaped(text.get_text()))
+    root, engine = figure.figure, engine_of(figure)
+    if ax:
+        engine.execute(root)
+        _fit_labels(ax, "x", "width")
+    place, highest = {"loc": "outside lower center"}, HIGHEST * root.bbox.height
+    if ax and is_alone(ax) and isinstance(engine, ConstrainedLayoutEngine):
+        where = figure
+    elif ax:
+        drop = (ax.bbox.y0 - ax.xaxis.get_tightbbox().y0) / root.dpi
+        below = ax.transAxes + ScaledTranslation(0, -drop - GAP, root.dpi_scale_trans)
+        place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": below}
+        highest /= ax.get_subplotspec().get_gridspec().nrows if ax.get_subplotspec() else 1
+    place |= {"handles": (keys := list(keys)), "title": _escaped(title)}
+    for key in keys:
+        key.set_label(_escaped(key.get_label()))
+    made = _fitting_legend(where, place, ncols, highest)
+    if ax:
+        engine.execute(root)
+        _fit_labels(ax, "y", "height")
+    return made
+
+
+def _escaped(text):
+    """Escape what LaTeX would take for a command, if the settings hand text to it."""
+    return SPECIAL.sub(r"\\\g<0>", text) if matplotlib.rcParams["text.usetex"] else text
+
+
+def _fitting_legend(where, parts, ncols, highest):
+    """Make a legend of as many columns as keep its letters largest, at most of the user's size."""
+    size, shares = points("legend.fontsize"), []
+    for columns in range(1, ncols + 1):
+        made = where.legend(**parts, ncols=columns)
+        box = made.get_window_extent()
+        shares.append(min(where.bbox.width / box.width, highest / box.height, 1))
+        made.remove()
+    columns = ncols - int(np.argmax(shares[::-1]))  # the flattest of equals
+    title, least, share = points("legend.title_fontsize") / size, min(size, SMALLEST), max(shares)
+    while True:  # small letters of LaTeX are wider than their size tells
+        size = max(size * share, least)
+        made = where.legend(**parts, fontsize=size, title_fontsize=size * title, ncols=columns)
+        share = where.bbox.width / made.get_window_extent().width
+        if share >= 1 or size == least:
             return made
         made.remove()
-        ncols -= 1
+
+
+def _fit_labels(ax, which, side):
+    """Break the labels of axes and colour bars before the unit, or shrink them, if too long."""
+    for each in (ax, *filter(_is_colour_bar, ax.get_figure().axes)):
+        label, room = getattr(each, f"{which}axis").label, getattr(each.bbox, side)
+        length = getattr(label.get_window_extent(), side)
+        if length > room:
+            label.set_text(label.get_text().replace(" (", "\n(", 1))
+            length = getattr(label.get_window_extent(), side)
+        if length > room:
+            label.set_fontsize(max(label.get_fontsize() * room / length, SMALLEST))
 
 
 def fit(figure: Figure, ratio: float) -> None:
@@ -231,7 +319,7 @@ def case(attributes: Mapping[str, str], width: int = PAGE) -> str:
 def fill(phrases: Iterable[str], width: int, mark: str = ", ") -> str:
     """Join phrases with a mark, in lines of at most `width` signs that break between phrases."""
     kept = (phrase.replace(" ", HARD) for phrase in phrases)
-    return textwrap.fill(mark.join(kept), width).replace(HARD, " ")
+    return textwrap.fill(mark.join(kept), width, break_long_words=False).replace(HARD, " ")
 
 
 def literal(text: str) -> str:

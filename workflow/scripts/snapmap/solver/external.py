@@ -136,7 +136,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
     devices = [model.pick(i).device for i in cells.device.tolist()]
     pulses = (cells.pulses[i] for i in cells.pulse.tolist())
     alone = [
-        Cell(device, pulse, *values, settings.start)
+        Cell._make((device, pulse, *values, settings.start))
         for device, pulse, values in zip(devices, pulses, columns, strict=True)
     ]
     t_snap = np.array(model.laws.solver(alone, dt.tolist()))

@@ -18,7 +18,7 @@ from .kernel.pulse import BLOCK, begin_pulse, no_pulse
 from .kernel.rows import LANES, Shape
 from .kernel.trace import follow_stress, keep_midpoints
 from .lane_laws import lane_laws, raise_error
-from .settings import FIRST, SECOND, Run
+from .settings import FIRST, MOVE, SECOND, Run
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
 """Factor of w, by which the midpoint of every run begins above its target."""
@@ -45,7 +45,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
-        jumps=settings.until != "moved" and any(pulse.waits.size for pulse in cells.pulses),
+        jumps=settings.question != MOVE and any(pulse.waits.size for pulse in cells.pulses),
         tolerance=settings.energy_tolerance,
         facts=facts,
     )

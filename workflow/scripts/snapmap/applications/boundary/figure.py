@@ -9,7 +9,9 @@ from ...figures import curves, plane, scales, style
 from ...figures.thresholds import NONE_KNOWN, draw_statics, title
 
 DURATION = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
-SHADE = {"color": "black", "alpha": 0.08, "linewidth": 0, "zorder": 0}
+SHADE = {"alpha": 0.12, "linewidth": 0, "zorder": 0}
+APART = 1.7
+"""Least ratio of durations whose names do not meet."""
 FAR = 1e9
 """Factor that leads from any point in the axes beyond their edges."""
 
@@ -19,7 +21,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
 
     thresholds: over f0 and the axis `lines`; only some of many lines are drawn
     The duration of the pulse is constant along a dotted line. The region above each curve is
-    shaded, for its range of durations; regions of several lines overlap and are darker there.
+    shaded in its colour, from the shortest to the longest simulated pulse.
     """
     thresholds = curves.some_lines(thresholds, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
@@ -34,21 +36,18 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
     scales.tick(ax.xaxis, *ax.get_xlim())
     scales.tick(ax.yaxis, *ax.get_ylim())
     plane.freeze(ax)
-    for curve, *_ in drawn:
-        _draw_region(ax, curve)
+    for curve, colour, _ in drawn:
+        _draw_region(ax, curve, colour)
     _draw_durations(ax, thresholds.isel({lines: 0}))
-    words = "snaps (darker: of several lines)" if drawn[1:] else "snaps"
-    keys = [
-        *curves.line_keys(thresholds, lines),
-        *style.labelled([ax]),
-        Patch(**SHADE, label=words),
-    ]
+    words = "snaps, in the colour of its line" if drawn[1:] else "snaps"
+    shade = Patch(**SHADE | {"alpha": 0.3}, color="0.4" if drawn[1:] else drawn[0][1], label=words)
+    keys = [*curves.line_keys(thresholds, lines), *style.labelled([ax]), shade]
     style.note_missing(ax, thresholds.N_first, NONE_KNOWN)
-    style.legend(ax, keys, title(thresholds, style.COLUMN), 2)
+    style.legend(ax, keys, title(thresholds, style.signs(ax.get_figure())), 2)
     return ax
 
 
-def _draw_region(ax, thresholds):
+def _draw_region(ax, thresholds, colour):
     """Shade the region above each stretch of a curve between its holes."""
     thresholds = thresholds.sortby("f0", ascending=False)
     N, v = thresholds.N_first.values, curves.velocity_change(thresholds).values
@@ -57,18 +56,24 @@ def _draw_region(ax, thresholds):
         if run.size > 1:
             ends = run[[0, -1]]
             corners = [np.stack([v, N])[:, run], FAR * np.stack([v, N])[:, ends[::-1]]]
-            ax.fill(*np.concatenate(corners, axis=1), **SHADE)
+            ax.fill(*np.concatenate(corners, axis=1), color=colour, **SHADE)
 
 
 def _draw_durations(ax, thresholds):
-    """Draw a line of constant pulse duration for each decade, named where it leaves the axes."""
-    first, last = np.log10(thresholds.f0.values[[0, -1]])
+    """Draw a line of constant pulse duration at both ends and for each decade between.
+
+    Each is named where it leaves the axes.
+    """
+    first, last = thresholds.f0.values[[0, -1]]
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    for f0 in 10.0 ** np.arange(np.ceil(first), np.floor(last) + 1):
+    decades = 10.0 ** np.arange(np.ceil(np.log10(first)), np.floor(np.log10(last)) + 1)
+    apart = decades[(decades > APART * first) & (decades < last / APART)]
+    for f0 in dict.fromkeys([first, *apart, last]):
         v = thresholds.gravity * thresholds.area.item() / (1e-6 * f0)
         ax.plot([v / FAR, v * FAR], [1 / FAR, FAR], **DURATION)
-        note = {"fontsize": 6, "color": "0.4", "textcoords": "offset points"}
+        note = {"text": f"{scales.number(1e3 / f0, 3)} ms", "textcoords": "offset points"}
+        note |= {"fontsize": 6, "color": "0.4"}
         if left < v * high < right:
-            ax.annotate(f"{1e3 / f0:g} ms", (v * high, high), (0, 2), ha="center", **note)
+            ax.annotate(xy=(v * high, high), xytext=(0, 2), ha="center", **note)
         elif low < right / v < high:
-            ax.annotate(f"{1e3 / f0:g} ms", (right, right / v), (2, 0), va="center", **note)
+            ax.annotate(xy=(right, right / v), xytext=(2, 0), va="center", **note)

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 
 from ...figures import curves, scales, style
 from ...figures.thresholds import NONE_KNOWN
+from ...thresholds.slow import HOLDS
 
 DASHES = {"law of the dwell time, and half of it": "--", "law of the velocity change": ":"}
 SADDLES = {"saddle with $r < 0$": "-", "saddle with $r > 0$": "-."}
@@ -27,7 +28,7 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
         below.axhline(curve.dwell.item() / 2, **THIN | {"color": colour}, linestyle="--")
         for law, dashes in zip((curve.N_slow, curve.N_short), DASHES.values(), strict=True):
             top.plot(scale.places, law, **THIN | {"color": colour}, linestyle=dashes)
-            top.plot(scale.places, curves.holding(law, curve), color=colour, **HOLDING)
+            top.plot(scale.places, _holding(law, curve), color=colour, **HOLDING)
     for delay, dashes in zip(laws.saddle_scale.values, SADDLES.values(), strict=True):
         below.axhline(delay, linestyle=dashes, **THIN)
     looks = {words: THIN | {"linestyle": dashes} for words, dashes in (DASHES | SADDLES).items()}
@@ -43,3 +44,8 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
     style.legend(figure, [*curves.line_keys(laws, "C"), *keys], style.case(laws.attrs), 3)
+
+
+def _holding(law, thresholds):
+    """Give the amplitudes of a law where it is within HOLDS of the threshold; NaN elsewhere."""
+    return law.where(abs(law / thresholds.N_first - 1) <= HOLDS)

@@ -1,4 +1,4 @@
-"""The margin of each required shock."""
+"""The safety factor of each required shock."""
 
 from collections.abc import Mapping, Sequence
 
@@ -26,28 +26,26 @@ BEYOND = 1.25
 
 
 def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
-    """Draw the threshold over the required N of each verdict, with its error bar; logarithmic.
+    """Draw the safety factor on N of each verdict, with its error bar; logarithmic.
 
     verdicts: rows of requirements.csv
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
-    The shade shows where the threshold should be: above 1 if the shock must not trip, below 1 if it
-    must.
+    The factor is the threshold over the required N, or the inverse where the shock must trip: above
+    1 the threshold is where it should be.
     """
     groups = sorted(corners(verdicts), key=lambda group: badness(group[0]), reverse=True)
-    known = [row["margin"] for row in verdicts if row["margin"] == row["margin"]]
+    known = [factor for row in verdicts if (factor := _factor(row)) == factor]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
+    ax.axvspan(1, high, **MET)
     for place, (row, *others) in enumerate(groups):
-        margin, note = row["margin"], {"va": "center", "fontsize": 6}
-        either_way = (low, high if row["verdict"] == "met" else low)
-        sides = {True: (low, 1), ARRIVES: (low, 1), False: (1, high)}
-        ends = sides.get(row["must_snap"], either_way)
-        ax.fill_betweenx([place - 0.45, place + 0.45], *ends, **MET)
-        margins = [other["margin"] for other in others]
+        margin, note = _factor(row), {"va": "center", "fontsize": 6}
+        margins = [_factor(other) for other in others]
         ax.plot(margins, [place] * len(others), **OTHER)
         if margin == margin:
-            ax.errorbar(margin, place, xerr=row["margin_error"], **VERDICTS[row["verdict"]])
+            error = margin * row["margin_error"] / row["margin"]
+            ax.errorbar(margin, place, xerr=error, **VERDICTS[row["verdict"]])
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
         words = [end_text(row)] if row["must_snap"] in (True, ARRIVES) else []
@@ -64,15 +62,20 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     ax.axvline(1, color="black", linewidth=0.6)
     ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
-    ax.set_xlabel("margin: threshold over required $N$")
+    ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
     kinds = {row["verdict"] for row, *_ in groups}
     looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
-    style.legend(ax, [*keys, Patch(**MET, label="where the threshold should be")])
+    style.legend(ax, [*keys, Patch(**MET, label="threshold on the right side")])
     return ax
+
+
+def _factor(row):
+    """Give the safety factor of a verdict; of a shock that may trip or not, its margin."""
+    return 1 / row["margin"] if row["must_snap"] in (True, ARRIVES) else row["margin"]
 
 
 def _name(row):

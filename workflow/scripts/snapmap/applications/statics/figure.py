@@ -56,8 +56,10 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     _draw_branches(ax, statics, statics.energy, [0, statics.barrier.item(), second])
     ax.set_ylabel("energy of the beam (pJ)")
     if statics.barrier > 0:
-        at, words = statics.rise - statics.saddle, f"barrier {plain(statics.barrier.item())} pJ"
-        ax.annotate(words, (at, statics.barrier), (8, -7), ha="right", va="top", **NOTE)
+        at, words = statics.rise - statics.saddle, f"barrier\n{plain(statics.barrier.item())} pJ"
+        ax.vlines(at, 0, statics.barrier, **PEAK)
+        beside = {"ha": "left", "va": "center", "multialignment": "left"}
+        ax.annotate(words, (at, statics.barrier / 3), (3, 0), **beside, **NOTE)
     return ax
 
 

@@ -6,13 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import ListedColormap
 
 from ...figures import style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
 from ...figures.scales import (
     WORDS,
     axis_label,
+    leave_space,
     place_text,
     scale_of,
     set_scale,
@@ -33,7 +37,8 @@ NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
 STAYING = {0.5: "white", 0.99: LATCHED}
 """Colours of markers, by the share that stays in the second shape at this N and all above."""
-FIELD = {"cmap": "Greys", "vmin": 0, "vmax": 3, "edgecolors": "face", "rasterized": True}
+GREYS = ListedColormap(colormaps["Greys"](np.linspace(0, 1 / 3, 64)))
+FIELD = {"cmap": GREYS, "vmin": 0, "vmax": 1, "edgecolors": "face", "rasterized": True}
 """Look of the field of shares; lines are readable on its darkest grey."""
 FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "markersize": 2.5}
 """Look of first-order indices; total indices are solid."""
@@ -83,6 +88,9 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
             ax.remove()
         if above:
             draw_yield(above[0].subplots(), shares)
+        fields = [field for ax in lower.axes for field in ax.findobj(QuadMesh)]
+        if fields:
+            lower.colorbar(fields[0], ax=lower.axes, aspect=30, label="share of devices that snap")
         words = batch_text(panels[0], attributes)
         style.legend(figure, style.labelled(figure.axes), words)
 
@@ -109,7 +117,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         return ax
     study_axis(ax, f0)
     set_scale(ax, "y", N, data.attrs)
-    ax.set(xlim=f0.edges[[0, -1]], ylim=N.edges[[0, -1]])  # room for markers
+    leave_space(ax, "x", f0)
     ax.pcolormesh(f0.edges, N.edges, data.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = data.N_quantile.sel(quantile=share).values
@@ -129,7 +137,7 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
     ax.set_title(place_text(data))
     f0 = scale_of("f0", data.f0.values)
     study_axis(ax, f0)
-    ax.set_xlim(f0.edges[[0, -1]])
+    leave_space(ax, "x", f0)
     for i, value in enumerate(data.value.values.tolist()):
         index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
@@ -224,7 +232,7 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     room = ROOM * (1 - least) or ROOM
     ax.set(xlim=(least - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
     style.note_missing(ax, shares, "no share of devices is known")
-    ax.set_xlabel(textwrap.fill(label, style.COLUMN * 2))
+    ax.set_xlabel(textwrap.fill(label, style.PAGE))
     ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax

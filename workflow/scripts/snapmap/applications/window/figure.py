@@ -12,7 +12,16 @@ from matplotlib.patheffects import withTickedStroke
 
 from ...figures import plane, style
 from ...figures.curves import LOOKS
-from ...figures.scales import NONE, axis_label, number, place_text, tick
+from ...figures.scales import (
+    NONE,
+    axis_label,
+    number,
+    place_text,
+    scale_of,
+    set_scale,
+    study_axis,
+    tick,
+)
 from ...numerics.statistics import percents
 from ...study.axes import Units
 from ...study.study import ARRIVES, SNAPS
@@ -69,7 +78,9 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
 
 def _open_window(ax, data, x, y, units):
     """Open a plane with its axes in other units, up to the outermost points."""
-    across = plane.open_plane(ax, data, x, y)
+    across = scale_of(x, data[x].values), scale_of(y, data[y].values)
+    study_axis(ax, across[0])
+    set_scale(ax, "y", across[1])
     for which, scale in zip("xy", across, strict=True):
         unit, _ = units.get(scale.key, ("", 1.0))
         ends = scale.places[[0, -1]]
