@@ -34,7 +34,15 @@ from snapmap.workflow.made import (
     say_why,
 )
 from snapmap.files.named import hold_to_plan, plan_with
-from snapmap.workflow.progress import CELLS, Idle, Progress, hush
+from snapmap.workflow.progress import (
+    ALL_CELLS,
+    CELLS,
+    DRY_RUN,
+    NOTHING,
+    Hook,
+    Progress,
+    hush,
+)
 from snapmap.study.provenance import (
     NUMBERS,
     code_hash,
@@ -95,7 +103,8 @@ slabs = dict(zip(names, plan.slabs))
 is_small = len(slabs) == 1 and plan.seconds <= SHARED_SECONDS
 requests = dict(zip(names, plan.requests))
 views = choose_views(study)
-new = [name for name in names if not os.path.exists(f"results/slabs/{name}.nc")]
+cells_are_in = "results/cube.nc" if is_small else "results/slabs/{}.nc"
+new = {name for name in names if not os.path.exists(cells_are_in.format(name))}
 numbers, drawing = code.values()
 studied = code_hash(*NUMBERS, clone / "studies")
 # Rules whose summaries are printed at the end.
@@ -127,14 +136,9 @@ onstart:
         print(line, file=sys.stderr)
     running = list(workflow.dag.needrun_jobs())
     forget("results", {str(path) for job in running for path in job.output})
-    simulated = {job.wildcards.slab for job in running if job.rule.name == CELLS}
-    progress.cells = {name: cells_in(slabs[name]) for name in simulated or new}
-    missing, cells = sum(progress.cells.values()), sum(map(cells_in, plan.slabs))
-    if missing < cells:
-        print(
-            f"{cells} cells: {cells - missing} are there already, {missing} are new",
-            file=sys.stderr,
-        )
+    progress.cells = find_missing_cells()
+    if sum(progress.cells.values()) < sum(map(cells_in, plan.slabs)):
+        say_cells()
     for handler in logger.handlers:
         if handler.name == "DefaultStreamHandler":
             hush(handler)
@@ -166,7 +170,8 @@ include: "workflow/rules/common.smk"
 
 progress = Progress({name: cells_in(slabs[name]) for name in new}, list_products)
 if workflow.is_main_process:
-    logger.addHandler(Idle(tidy_when_idle))
+    logger.addHandler(Hook(NOTHING, tidy_when_idle))
+    logger.addHandler(Hook(DRY_RUN, say_cells))
 
 
 include: "workflow/rules/applications.smk"

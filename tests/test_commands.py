@@ -16,24 +16,24 @@ SPAN = re.compile(r"`(\./run [^`]+)`")
 ELSEWHERE = {
     "test_every_figure_is_there": [
         "snakemake --cores 2",
-        "snakemake --snakefile /path/to/Snakefile --configfile mine.yaml --cores 2",
+        "snapmap run config/config.yaml --cores 2",
+        "snapmap run mine.yaml",
+        "snapmap run mine.yaml --cores 2",
     ],
     "test_an_example_runs_whole": [
-        "snakemake --cores 2 --configfile sensor.yaml",
-        "snakemake --cores 2 --configfile config/handout.yaml",
-        "snakemake --directory build/tutorial --configfile config/sensor.yaml --cores 2",
+        "snapmap run sensor.yaml --cores 2",
+        "snapmap run config/handout.yaml --cores 2",
+        "snapmap run config/sensor.yaml --directory build/tutorial --cores 2",
     ],
     "test_a_run_ends_with_a_line_of_each_product_that_it_made": [
-        "snakemake --cores 2 results/cube.nc"
+        "snapmap run mine.yaml results/cube.nc"
     ],
     "test_the_window_of_the_recipe_is_drawn": [
-        "snakemake results/figures/window.pdf --configfile config/arm.yaml --cores 2"
+        "snapmap run config/arm.yaml results/figures/window.pdf --cores 2"
     ],
-    "test_a_finished_run_makes_a_report": [
-        "snakemake --report report.zip --configfile sensor.yaml"
-    ],
+    "test_a_finished_run_makes_a_report": ["snapmap run sensor.yaml --report report.zip"],
     "test_studies_are_targets_of_their_own": [
-        *("snakemake accuracy --cores 2", "snakemake stability --cores 2")
+        *("snapmap run mine.yaml accuracy", "snapmap run mine.yaml stability")
     ],
     "test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one": [
         "snakemake --snakefile studies.smk --cores 2",
@@ -42,11 +42,10 @@ ELSEWHERE = {
     "test_pages_show_what_their_files_say": ["python docs/make_tables.py"],
     "test_the_workflow_is_formatted": ["snakefmt Snakefile studies.smk workflow/rules"],
     "test_the_cube_is_that_of_a_local_run_bit_for_bit": [
-        "snakemake --profile profiles/slurm",
-        "snakemake --profile profiles/slurm --groups simulate_slab=slabs "
+        "snapmap run mine.yaml --profile profiles/slurm",
+        "snapmap run mine.yaml --profile profiles/slurm --groups simulate_slab=slabs "
         "--group-components slabs=4",
     ],
-    "test_run_installs_from_nothing": ["snakemake --version"],
     "test_each_lock_holds_only_exact_versions_and_hashes": [
         "uv pip install --require-hashes --requirements locks/requirements-docs.lock",
         "uv pip install --require-hashes --requirements locks/requirements-peers.lock",
@@ -63,7 +62,13 @@ ELSEWHERE = {
     "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
     "test_every_equation_of_the_theory_has_a_test_that_names_it": ["python docs/make_equations.py"],
     "test_the_types_fit": ["mypy"],
-    "test_check_says_what_a_config_describes_doubts_and_costs": ["snapmap check config.yaml"],
+    "test_check_says_what_a_config_describes_doubts_and_costs": [
+        *("snapmap check mine.yaml", "snapmap check sensor.yaml")
+    ],
+    "test_init_writes_the_config_that_there_is_and_nothing_over_another": ["snapmap init"],
+    "test_the_command_says_its_version": ["snapmap --version"],
+    "test_a_dry_run_of_a_grown_grid_counts_the_new_cells": ["snapmap run mine.yaml -n"],
+    "test_the_notebook_stores_what_it_gives_today": ["python docs/make_notebook.py"],
     "test_the_versions_come_in_one_paste": ["python -m snapmap.study.provenance"],
     "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }

@@ -1,14 +1,16 @@
 """The pages for use and the notebook say what the code does; the pages make a site."""
 
 import doctest
-import json
 import re
+import runpy
 import subprocess
 import sys
+from base64 import b64decode
 from pathlib import Path
 from types import SimpleNamespace
 
 import matplotlib.pyplot as plt
+import nbformat
 import numpy as np
 import pytest
 import xarray as xr
@@ -69,18 +71,35 @@ def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):
     assert (tmp_path / "map.pdf").exists()
 
 
-def test_the_notebook_runs(root, tmp_path, monkeypatch):
-    """Its code cells in turn, as nothing that shows a notebook is among the pinned packages."""
+def outputs_of(notebook):
+    """What the code cells of a notebook show: their numbers, texts and kinds of output."""
+    return [
+        (cell.execution_count, [hide_picture(output) for output in cell.outputs])
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+    ]
+
+
+def hide_picture(output):
+    data = dict(output.get("data", {}))
+    is_png = b64decode(data.pop("image/png", "")).startswith(b"\x89PNG")
+    return output.get("text"), data, is_png
+
+
+def test_the_notebook_stores_what_it_gives_today(root, tmp_path, monkeypatch):
+    """Texts and numbers; pictures in kind. Figures name their axes; drag and thresholds hold."""
     plt.switch_backend("agg")
+    plt.close("all")
     monkeypatch.chdir(tmp_path)
-    text = (root / "examples" / "first_steps.ipynb").read_text(encoding="utf-8")
-    cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
-    assert not any(cell["outputs"] or cell["execution_count"] for cell in cells)
-    names = {}
-    for cell in cells:
-        code = "".join(cell["source"])  # with fewer cells of the last two sweeps
-        exec(code.replace("1900, 25", "1900, 9").replace("6000.0, 24", "6000.0, 5"), names)
-        plt.close("all")
+    path = root / "examples" / "first_steps.ipynb"
+    stored, today, names = nbformat.read(path, 4), nbformat.read(path, 4), {}
+    axes = runpy.run_path(root / "docs" / "make_notebook.py")["run"](today, names)
+    shown = outputs_of(stored)
+    assert shown == outputs_of(today)
+    assert [number for number, _ in shown] == [*range(1, len(shown) + 1)]
+    assert sum(is_png for _, cell in shown for *_, is_png in cell) == len(axes) == 3
+    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in axes)
+    assert path.stat().st_size < 300_000 and "stderr" not in path.read_text(encoding="utf-8")
     run, edges, own = names["run"], names["found"].squeeze(), names["own"]
     assert snapmap.words(run.outcome) == "snapped" and run.t_snap == pytest.approx(434.89, abs=0.02)
     assert (edges.N_error < 0.01 * edges.N_first).all()

@@ -108,12 +108,21 @@ def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
     assert main(["run", str(config), "--cores", "2"]) == 0
     assert main(["run", str(config), "-n", "results/cube.nc"]) == 0
     profile = root / "profiles" / "default" / "profile.yaml"
-    files = ["--snakefile", str(root / "Snakefile"), "--workflow-profile", str(profile)]
-    files += ["--configfile", str(config)]
-    options = ["--cores", "2"], ["--cores", "all", "-n", "results/cube.nc"]
+    files = ["--configfile", str(config), "--snakefile", str(root / "Snakefile")]
+    files += ["--workflow-profile", str(profile)]
+    assert main(["run", str(config), "--profile", "slurm"]) == 0  # which says how many cores
+    options = ["--cores", "2"], ["--cores", "all", "-n", "results/cube.nc"], ["--profile", "slurm"]
     assert asked == [[*files, *words] for words in options]
     with pytest.raises(SystemExit):
         main(["check", str(config), "-n"])
+
+
+def test_help_says_what_a_config_is_where_results_go_and_whose_other_options_are(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    for words in ("YAML file of a study", "results/ of the current folder", "those of Snakemake"):
+        assert words in said
 
 
 def test_a_profile_in_the_folder_of_a_study_is_not_read(root, tmp_path):

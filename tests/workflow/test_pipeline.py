@@ -21,9 +21,11 @@ from snapmap.applications import attached, gather, window
 from snapmap.config.study import load_config
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.workflow.made import HEAD, LIST
+from snapmap.study.provenance import NUMBERS, code_hash
+from snapmap.workflow.made import HEAD, LIST, hash_of, list_made
 from snapmap.workflow.products import choose_views
 
+JOBS = "workflow/scripts/jobs.py"
 DRAWING = {"draw_study", "draw_histories"}
 RULES = {"simulate_all", "find_threshold", "find_stress", "simulate_histories"} | DRAWING
 OLD = ["results/datasheet.md", "results/figures/window.pdf", "results/window.nc"]
@@ -393,6 +395,34 @@ def test_another_grid_makes_the_cube_anew_and_a_large_one_in_slabs(clone, finish
     assert planned("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]")["simulate_all"] == 1
     large = planned("points: 8", "points: 80000")
     assert large["simulate_slab"] >= 2 and large["collect"] == 1 and "simulate_all" not in large
+
+
+def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(root, clone, copied, monkeypatch):
+    """All of a small one; of a large one those of slabs that are not there as this study's."""
+    folder, _ = copied
+    config = folder / "grown.yaml"
+
+    def counted(text, *targets):
+        config.write_text(text)
+        said = snakemake(clone, folder, config, *targets, "--dry-run")[1]
+        (line,) = re.findall(r"^(\d+) cells: (\d+) are there already, (\d+) are new$", said, re.M)
+        return [*map(int, line)], said
+
+    grown = TINY.replace("30 uN*us/um]", "30 uN*us/um, 60 uN*us/um]")
+    assert counted(grown)[0] == counted(grown, "results/threshold.nc")[0] == [48, 0, 48]
+    large = TINY.replace("points: 8", "points: 80000")
+    (cells, there, new), said = counted(large)
+    assert there == 0 and new == cells == 32 * 10_000
+    name = re.search(r"results/slabs/(\w+)\.nc", said)[1]
+    path = folder / "results" / "slabs" / f"{name}.nc"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("a slab")
+    assert counted(large)[0] == [cells, 0, cells], "it is on no list"
+    numbers = code_hash(*(clone / path.relative_to(root) for path in NUMBERS), clone / JOBS)
+    monkeypatch.chdir(folder)
+    list_made("results", {f"results/slabs/{name}.nc": hash_of(numbers, name)})
+    cells, there, new = counted(large)[0]
+    assert 0 < there < cells == there + new
 
 
 @pytest.mark.long

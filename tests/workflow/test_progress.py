@@ -13,7 +13,7 @@ from snakemake.common import NOTHING_TO_BE_DONE_MSG
 
 from snapmap.files.counting import count, counting
 from snapmap.workflow.job_log import count_path
-from snapmap.workflow.progress import STOPPED, STOPPING, Idle, Progress, hush
+from snapmap.workflow.progress import NOTHING, STOPPED, STOPPING, Hook, Progress, hush
 
 
 def record(event=None, level=logging.INFO, **facts):
@@ -90,7 +90,7 @@ def test_a_job_that_counts_leaves_no_semaphore_behind():
 
 def test_where_nothing_is_to_be_run_a_function_is_called():
     called = []
-    idle = Idle(lambda: called.append(1))
+    idle = Hook(NOTHING, lambda: called.append(1))
     idle.emit(record())
     assert not called
     idle.emit(record(msg=NOTHING_TO_BE_DONE_MSG))

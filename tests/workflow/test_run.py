@@ -109,12 +109,13 @@ def test_run_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_
     assert out.decode() == f"{clone.folder}/.venv\n"
 
 
-def test_snakemake_gets_the_profile_of_the_clone_before_all_other_words(clone):
+def test_snakemake_gets_snakefile_and_profile_of_the_clone_before_all_other_words(clone):
     (clone.fakes / "snakemake").write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
     (clone.fakes / "snakemake").chmod(0o755)
     said = clone.run("snakemake", "-n", "a  b").stdout.splitlines()
     profile = f"{clone.folder}/profiles/default/profile.yaml"
-    assert said == ["--workflow-profile", profile, "-n", "a  b"]
+    snakefile = f"{clone.folder}/Snakefile"
+    assert said == ["--snakefile", snakefile, "--workflow-profile", profile, "-n", "a  b"]
     assert clone.run("echo", "snakemake").stdout == "snakemake\n"
 
 

@@ -127,8 +127,8 @@ def clone(cluster, root, tmp_path_factory):
 def workflow(clone, folder, *options):
     """The command that makes a study in `folder`."""
     (folder / "tiny.yaml").write_text(IN_SLABS)
-    command = [clone / "run", "snakemake", "--snakefile", clone / "Snakefile"]
-    return [*command, "--configfile", folder / "tiny.yaml", "--directory", folder, *options]
+    command = [clone / "run", "snapmap", "run", folder / "tiny.yaml"]
+    return [*command, "--directory", folder, *options]
 
 
 @pytest.fixture(scope="module")

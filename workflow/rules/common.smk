@@ -32,6 +32,25 @@ def remove_old_products():
             print(line, file=sys.stderr)
 
 
+def find_missing_cells():
+    """Find the slabs that are not there or are made again; returns their cells by their names."""
+    running = list(filter(workflow.dag.needrun, workflow.dag.jobs))
+    again = {job.wildcards.slab for job in running if job.rule.name == CELLS}
+    if any(job.rule.name == ALL_CELLS for job in running):
+        again = {*names}
+    again |= new | {name for name in names if cells_are_in.format(name) in others}
+    return {name: cells_in(slabs[name]) for name in names if name in again}
+
+
+def say_cells():
+    """Print how many cells there are, and how many of them are new."""
+    missing, cells = sum(find_missing_cells().values()), sum(map(cells_in, plan.slabs))
+    print(
+        f"{cells} cells: {cells - missing} are there already, {missing} are new",
+        file=sys.stderr,
+    )
+
+
 def tidy_when_idle():
     with suppress(OSError):  # another run is at work, or it is another user's folder
         if not workflow.dryrun:

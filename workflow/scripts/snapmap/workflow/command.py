@@ -19,6 +19,11 @@ PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if p
 CONFIG, SCHEMA = "config.yaml", "schema.json"
 START = 2.5
 """Measured core time of a job's start, s."""
+OTHERS = (
+    "All other options and targets are those of Snakemake: -n tells the jobs, and how many cells"
+    " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
+)
+"""What `snapmap run --help` ends with."""
 SEARCH = 50
 """Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
@@ -27,18 +32,20 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status. words: arguments, by default of the process."""
     parser = ArgumentParser("snapmap", description="Snap maps of a bistable beam under shock.")
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="init, check or run")
-    verb = verbs.add_parser("init", help="write a first config, with comments")
-    verb.add_argument("folder", nargs="?", default=".", type=Path)
-    verb.set_defaults(do=init)
+    verbs = parser.add_subparsers(required=True)
     for do, what in (
+        (init, "write a first config, with comments"),
         (check, "report errors, warnings and cost of a config"),
-        (run, "compute the results of a config"),
+        (run, "compute the results of a config, in results/ of the current folder"),
     ):
-        verb = verbs.add_parser(do.__name__, help=what)
-        verb.add_argument("config", type=Path)
+        verb = verbs.add_parser(do.__name__, help=what, description=f"{what.capitalize()}.")
         verb.set_defaults(do=do)
-    verb.add_argument("--cores", default="all", help="number of cores; all by default")
+        if do is init:
+            verb.add_argument("folder", nargs="?", default=".", type=Path, help="of the config")
+        else:
+            verb.add_argument("config", type=Path, help="YAML file of a study; init writes one")
+    verb.epilog = OTHERS
+    verb.add_argument("--cores", help="number of cores; all by default, or as a --profile says")
     known, others = parser.parse_known_args(words)
     values = vars(known)
     if known.do is run:
@@ -106,9 +113,10 @@ def _runs(study):
     )
 
 
-def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
+def run(config: Path, cores: str | None, others: Sequence[str] = ()) -> None:
     """Run the workflow in the current folder, and exit as Snakemake does; ValueError, one line.
 
+    cores: their number; None is all, or what a profile of a cluster says
     others: options and targets of Snakemake, such as -n
     """
     with needing("snapmap run"):
@@ -121,8 +129,10 @@ def run(config: Path, cores: str, others: Sequence[str] = ()) -> None:
         cache.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=cache).close()  # Snakemake writes there, or ends in a traceback
     profile = PIPELINE / "profiles" / "default" / "profile.yaml"  # else the study's own, with code
-    options = "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
-    options += "--configfile", config, "--cores", cores
+    options = "--configfile", config  # it takes all words up to the next option
+    options += "--snakefile", PIPELINE / "Snakefile", "--workflow-profile", profile
+    if cores or not any(word.startswith("--profile") for word in others):
+        options += "--cores", cores or "all"
     snakemake([str(word) for word in (*options, *others)])
 
 

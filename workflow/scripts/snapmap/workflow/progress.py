@@ -24,7 +24,7 @@ WRAPPED = (
 """Beginnings of messages that repeat the log of a job, which is shown beside them, or tell of a
 product that stays as it was, or is not there yet."""
 AGAIN = "Trying to restart job"
-NOTHING = "Nothing to be done"
+NOTHING, DRY_RUN = "Nothing to be done", "This was a dry-run"
 STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: finished files are kept; the same command continues"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
@@ -87,17 +87,17 @@ class Progress(logging.Handler):
             self._name_stages()
 
 
-class Idle(logging.Handler):
-    """A handler that calls a function if Snakemake has nothing to run, and so calls no hook."""
+class Hook(logging.Handler):
+    """A handler that calls a function where Snakemake calls none: at words in its log."""
 
-    def __init__(self, function: Callable[[], None]):
-        """Take the function."""
+    def __init__(self, words: str, function: Callable[[], None]):
+        """Take the beginning of a message, and the function."""
         super().__init__(logging.INFO)
-        self.function = function
+        self.words, self.function = words, function
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Call the function when Snakemake says that there is nothing to run."""
-        if record.getMessage().startswith(NOTHING):
+        """Call the function when Snakemake says the words."""
+        if record.getMessage().startswith(self.words):
             self.function()
 
 
