@@ -138,10 +138,13 @@ def _table(made: type, name: str, listed: list[Row], said: dict[Row, str]) -> It
     for (what, _), group in groupby(new, lambda row: (row.what, row.default)):
         row, *others = group
         hint = hints(made)[row.key]
-        value, example = "" if _records(hint) else row.need, getattr(kind_of(hint), "example", "")
+        kind = kind_of(hint)
+        value, example = "" if _records(hint) else row.need, getattr(kind, "example", "")
+        if example and kind.unit:  # which says what the kind is
+            value = value.removeprefix(kind.noun).removeprefix(",").strip()
         if value and {row.need} != {other.need for other in (row, *others)}:
             value, example = "of its kind", ""
-        value += f", `{example}`" * bool(example)
+        value = ", ".join([value] * bool(value) + [f"`{example}`"] * bool(example))
         keys, needed = [row.key, *(other.key for other in others)], row.required
         default = _default(row.default, needed or get_args(hint) == (row.default,))
         yield f"| {_listed(keys)} | {what} | {value} | {default} |"

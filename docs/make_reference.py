@@ -23,7 +23,7 @@ Frequencies are in Hz, temperatures in degC, thermal coefficients in 1/K. Text h
 `"600 um"`; objects with units (pint, astropy, unyt, xarray with `units`) are converted. A value
 without unit may be text, too, as `"0.001"`.
 
-Each function raises what follows; under **Raises** stands what is special to it.
+Each function raises what follows, and what stands under it.
 
 {wrong}
 - `TypeError`: An argument is missing or unknown.
@@ -79,6 +79,7 @@ Variables of `simulate` over `time` (us), or without dimension: {history}.
 
 DEVICE = '>>> device = snapmap.load_device("config/config.yaml")\n'
 """The first line of examples, which the page has once."""
+VERBS = {"Returns": "returns ", "Raises": "raises "}
 WRONG = "- `ValueError`: A line for each argument that is wrong."
 KEYS = "The keys of [`{}`](config.md#{}) in a config"
 MODEL = KEYS.format("model", "model") + "."
@@ -118,17 +119,12 @@ def _parts(described: Callable) -> dict[str, str]:
 
 def _section(name: str, parts: dict[str, str], left_out: set[str]) -> str:
     """Its signature and the sections of its docstring, without entries that the page has above."""
-    lines = [f"## `{name}`", f"```python\n{_signature(name)}\n```"]
-    for title, text in parts.items():
-        if title == "Examples":
-            body = f"```pycon\n{text.replace(DEVICE, '')}\n```"
-        elif title == "Parameters" and name in IN_CONFIG:
-            body = IN_CONFIG[name]
-        else:
-            entries = [entry for entry in _entries(text) if entry not in left_out]
-            body = "\n".join(entries) if title else text
-        lines += [f"**{title}**"] * bool(title and body) + [body] * bool(body)
-    return "\n\n".join(lines)
+    lines, listed = [f"## `{name}`", f"```python\n{_signature(name)}\n```", parts[""]], []
+    for title in ("Parameters", "Returns", "Raises"):
+        entries = (entry for entry in _entries(parts.get(title, "")) if entry not in left_out)
+        listed += [f"- {VERBS.get(title, '')}{entry[2:]}" for entry in entries]
+    lines.append(IN_CONFIG.get(name, "\n".join(listed)))
+    return "\n\n".join([*lines, f"```pycon\n{parts['Examples'].replace(DEVICE, '')}\n```"])
 
 
 def _entries(text: str) -> list[str]:
