@@ -134,6 +134,7 @@ def test_several_devices_share_one_C():
 THICK = {"device__beam__span": "60 um", "device__beam__thickness": "4 um"}
 NOT_SHALLOW, UNUSUAL = "rise/span = 0.167", "m/s^2 is outside the usual 0.1 m/s^2 to"
 DAMPED = {"device__quality_factor": MISSING, "sweep__C": ["0 kg/s", "0.025 kg/s"]}
+TRAIN = {"sweep__f0": MISSING, "pulse": {"train": [{"N": 1, "duration": "1 ms"}, {"wait": "1 s"}]}}
 STOPPED = "device: stop_toward: 18 um stops the mass before"
 
 
@@ -185,6 +186,7 @@ def test_devices_as_made_without_a_second_shape_are_doubted():
         *(({"device__gravity": f"{usual} m/s^2"}, []) for usual in (1.62, 490)),
         (DAMPED, ["C = 25000"]),
         ({"sweep__f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz"]),
+        (TRAIN, []),
         ({"sweep__f0": ["3 Hz", "1500 MHz"]}, []),
         ({"sweep__f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
         ({"device__stop_toward": "5 um"}, ["device: stop_toward: 5 um is within the gap"]),

@@ -98,6 +98,7 @@ def _doubts(study, values):
             yield from unusual(alone)
         else:
             C, f0 = (np.sort(np.atleast_1d(np.asarray(row, float))) for row in (C, f0))
-            yield from implausible(alone, None if study.model.laws else C, f0)
+            swings = max(pulse.swings for pulse in study.shocks.pulses)
+            yield from implausible(alone, None if study.model.laws else C, f0, swings)
         if "scatters" in values:
             yield from wide(Plan(single, values["scatters"], values.get("together", ())))

@@ -83,10 +83,13 @@ def no_switches(device: Device, plan: Plan, samples: int, seed: int) -> list[str
     return [f"{lost} of {samples} devices as made have no second stable shape"] if lost else []
 
 
-def implausible(device: Device, C: np.ndarray | None, f0: np.ndarray) -> list[str]:
+def implausible(
+    device: Device, C: np.ndarray | None, f0: np.ndarray, swings: float = 1.0
+) -> list[str]:
     """Warn, in lines, of values of a batch of devices, of C and of f0 that are hardly meant.
 
     C: uN us/um, ascending; None under a user's own laws; f0: Hz, ascending
+    swings: most `Pulse.swings` of the pulses
     """
     beam, lowest = device.beam, device.own_frequency
     mass = np.where(device.is_alone, lowest, device.mass_frequency)
@@ -113,7 +116,7 @@ def implausible(device: Device, C: np.ndarray | None, f0: np.ndarray) -> list[st
         f"C = {plain(highest)} uN*us/um is {plain(damped, 3)} times critical damping; is its "
         "unit right?": damped > CREEPING,
         f"f0 up to {plain(f0[-1])} Hz: every pulse lasts over {FAR:g} periods of beam and mass, so "
-        "it acts as a constant acceleration": lasts[-1] * FAR < first,
+        "it acts as a constant acceleration": lasts[-1] * swings * FAR < first,
         f"f0 from {plain(f0[0])} Hz: every pulse is shorter than 1/{FAR:g} of any period, so it "
         "acts as a jump in velocity": lasts[0] > FAR * last,
     }

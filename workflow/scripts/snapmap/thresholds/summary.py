@@ -20,7 +20,8 @@ def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
     N_first = thresholds.N_first
     dims, kept = N_first.dims, [key for key, a in thresholds.items() if "island" not in a.dims]
     table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
-    table.insert(len(dims), "duration_ms", 1e3 / table["f0"])
+    # An f0 that was made of a duration has lost its last digits.
+    table.insert(len(dims), "duration_ms", [float(f"{1e3 / f0:.12g}") for f0 in table["f0"]])
     table["status"] = np.array(STATUS)[table["status"]]
     return table[[*dims, "duration_ms", *kept]]
 
