@@ -16,6 +16,7 @@ from snapmap.config.document import OF_SNAKEMAKE, Document
 from snapmap.config.schema import written
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
+from snapmap.solver.options import MODELS
 from snapmap.values.fields import Row, hints, rows
 from snapmap.values.kinds import kind_of
 from snapmap.values.units import LEAST, MOST
@@ -77,6 +78,10 @@ point without a second stable shape is refused, or with `skip: true` marked `abs
 """
 
 
+AGAIN = " in the study's folder", " {from, to, points, spacing}"
+"""What the page says of all files and ranges."""
+
+
 def reference() -> str:
     """The text of docs/config.md."""
     document = yaml.safe_load((CONFIG / "handout.yaml").read_text(encoding="utf-8"))
@@ -103,9 +108,11 @@ def _sections(name: str, made: list[type], seen: set[type], said: dict) -> Itera
     for one in made:
         text = getdoc(one).partition("\n\nParameters\n")[0]
         first, _, more = text.partition("\n\n")
-        head = [f"### {first.rstrip('.')}"] + [more] * bool(more) if made[1:] else [text]
+        called = f"`name: {one.name}`: " if one in MODELS.values() else ""
+        head = [f"### {called}{first.rstrip('.')}"] * bool(made[1:]) + [more] * bool(more)
         shown = {key for base in one.__mro__[1:] if base in made for key in hints(base)}
-        listed = [row for row in rows(one) if row.key not in {*shown, OF_SNAKEMAKE}]
+        left_out = {*shown, OF_SNAKEMAKE} | ({"name"} if called else set())
+        listed = [row for row in rows(one) if row.key not in left_out]
         yield "\n\n".join([*head, "\n".join(_table(one, name, listed, said))])
         said |= dict.fromkeys(listed, name) | said
         if shown:
@@ -140,13 +147,16 @@ def _table(made: type, name: str, listed: list[Row], said: dict[Row, str]) -> It
         hint = hints(made)[row.key]
         kind = kind_of(hint)
         value, example = "" if _records(hint) else row.need, getattr(kind, "example", "")
+        if example.startswith("["):
+            example = ""  # in the form of Python
+        for words in AGAIN:
+            value = value.replace(words, "")
         if example and kind.unit:  # which says what the kind is
             value = value.removeprefix(kind.noun).removeprefix(",").strip()
         if value and {row.need} != {other.need for other in (row, *others)}:
             value, example = "of its kind", ""
         value = ", ".join([value] * bool(value) + [f"`{example}`"] * bool(example))
-        keys, needed = [row.key, *(other.key for other in others)], row.required
-        default = _default(row.default, needed or get_args(hint) == (row.default,))
+        keys, default = [row.key, *(other.key for other in others)], _default(row)
         yield f"| {_listed(keys)} | {what} | {value} | {default} |"
     again = [row for row in listed if row in said]
     for place, group in groupby(again, said.get):
@@ -164,11 +174,11 @@ def _listed(keys: list[str]) -> str:
     return ", ".join([of_device, *(f"`{key}`" for key in more)])
 
 
-def _default(default: object, needed: bool) -> str:
-    if needed or default is None:
-        return "required" if needed else ""
-    text = f"{default:g}" if isinstance(default, float) else str(default)
-    return f"`{text.lower() if isinstance(default, bool) else text}`"
+def _default(row: Row) -> str:
+    if row.required or row.default is None:
+        return "required" if row.required else ""
+    text = f"{row.default:g}" if isinstance(row.default, float) else str(row.default)
+    return f"`{text.lower() if isinstance(row.default, bool) else text}`"
 
 
 if __name__ == "__main__":
