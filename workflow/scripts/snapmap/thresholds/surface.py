@@ -53,10 +53,10 @@ def threshold(
     -------
     Dataset
         Over (..., C, f0). `N_first` is the threshold, `N_error` its error; above `N_always` every
-        run seen snaps, above `N_latched` each stays; below `N_bound` nothing snaps, by energy.
+        run seen snaps, above `N_latched` each latches; below `N_bound` nothing snaps, by energy.
         `ragged`, `level` and `verified` say how it was found, `status` why there is none.
         `N_static` and `velocity_change` (m/s) are the limits of long and short pulses; `N_slow` is
-        the limit of a long pulse that must stay above `N_static` for the time `dwell` (us). A pulse
+        the N at which a long pulse stays above `N_static` for the time `dwell` (us). A pulse
         changes the velocity by `area` N g / f0. `scale_first` is the factor on a record in known
         units. The attribute `flag_meanings` has the words of a code.
 

@@ -52,7 +52,7 @@ def vibration(
     reach: Fraction = REACH,
     axes: Axes | None = None,
 ) -> xr.Dataset:
-    """Find how often Gaussian vibration snaps a device, and the level that it withstands.
+    """Find how often Gaussian vibration snaps a device, and the strength that it withstands.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ def tolerance(
     C
         Dampings of the mass, uN us/um, each once.
     N
-        Amplitudes to give probabilities at, multiples of g; by default those of the thresholds.
+        Amplitudes to give probabilities at, multiples of g; by default the range of thresholds.
     threshold_tolerance
         Relative step of N at which each search ends.
     samples
