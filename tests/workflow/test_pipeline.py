@@ -157,8 +157,7 @@ def test_every_figure_is_there(finished):
 def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, finished):
     """Also where there is nothing else to do."""
     folder, _, (_, output) = finished
-    text = TINY.replace("span: 500 um", "span: 5e-4 m").replace("2 kHz", "2000 Hz")
-    text = text.replace("horizon: 200 us", "horizon: 0.2 ms")
+    text = TINY.replace("2 kHz", "2000 Hz").replace("horizon: 200 us", "horizon: 0.2 ms")
     (other := folder / "other.yaml").write_text(text)
     listing = folder / "results" / LIST
     for again in (False, True):
@@ -177,6 +176,14 @@ def test_what_is_made_is_listed_and_of_an_older_config_only_that_leaves(clone, f
         listed = [line.partition("\t")[0] for line in listed]
         assert head == HEAD and {*listed} == {name for name in made if not name.startswith(apart)}
         assert made > {*USERS, "results/logs/find_window.log"}
+
+
+def test_a_device_in_other_words_is_drawn_anew_and_not_simulated(clone, finished):
+    """The page shows the words of its config."""
+    folder = finished[0]
+    (other := folder / "words.yaml").write_text(TINY.replace("span: 500 um", "span: 5e-4 m"))
+    output = snakemake(clone, folder, other, "--dry-run")[1]
+    assert planned_rules(output).keys() - {"all"} == {"draw_study"}
 
 
 PUSHED = TINY.replace("gravity: 9.81 m/s^2", "force: 1 uN").replace("mass: 6e-9 kg", "mass: none")

@@ -23,7 +23,7 @@ hash of what the file was made from, and that of its content, between tabs."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
-OTHERWISE = "made for other axes or requests"
+OTHERWISE = "made for other axes, words or requests"
 WHOLE = "cube.nc", "threshold.nc"
 """Products whose attribute `config` has the whole study."""
 
