@@ -16,7 +16,8 @@ from snapmap.config.document import OF_SNAKEMAKE, Document
 from snapmap.config.schema import written
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
-from snapmap.values.fields import hints, rows
+from snapmap.solver.options import MODELS
+from snapmap.values.fields import Row, hints, rows
 from snapmap.values.kinds import kind_of
 from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
@@ -41,11 +42,11 @@ maps:
 PAGE = """\
 # The config, key by key
 
-With this page you can look up every key of a config, with its unit, range and default. A config is
-a YAML file of one mapping, such as [the handout's](../config/handout.yaml) or
-[the tutorial's](../config/sensor.yaml). An editor with a language server for YAML shows the same
-and marks mistakes, if the first line names [the schema](../config/schema.json), as in those files;
-`snapmap init` writes both.
+With this page you can look up every key of a config, with its unit, range and default
+([glossary](tutorial.md#glossary)). A config is a YAML file of one mapping, such as
+[the handout's](../config/handout.yaml) or [the tutorial's](../config/sensor.yaml). An editor with a
+language server for YAML shows the same and marks mistakes, if the first line names
+[the schema](../config/schema.json), as in those files; `snapmap init` writes both.
 
 A physical value is text: a number and any unit of its dimension, as in `2330 kg/m^3`; in µm, ng, µs
 and Hz it is from {least:g} to {most:g}. `snapmap check FILE` names each mistake in one line. Files
@@ -61,21 +62,24 @@ are in the study's folder. Axes and tolerances vary `C` and `damping`, not a `qu
 ## Limits
 
 A study has at most {cells:,} cells, {dampings} values of C (each is a job) and {hours:g} core
-hours, should every cell run to the horizon. No value is evaluated or reaches a shell. But Snakemake
-evaluates a config with `__use_yte__: true` before snapmap can refuse it: look for it in a config
-from others.
+hours, should every cell run to the horizon. snapmap runs no code from a config, but Snakemake does
+if the config contains `__use_yte__: true`: look for this key in a config from others.
 
 ## Values of the device as axes
 
-Values of the device under `sweep` are axes of all products, in the order of the config, followed by
-`shape`, `direction`, C, f0 and N. They are {values}.
-Several devices, by name, are the first axis; in YAML,
+These values can stand under `sweep`: {values}.
+They are axes of all results, in the order of the config, followed by `shape`, `direction`, C, f0
+and N. Several devices, by name, are the first axis; in YAML,
 `softer: {{<<: *first, spring: 3 N/m}}` repeats a device marked `&first` with another spring. A
 point without a second stable shape is refused, or with `skip: true` marked `absent`.
 
 ```yaml
 {two_axes}```
 """
+
+
+AGAIN = " in the study's folder", " {from, to, points, spacing}"
+"""What the page says of all files and ranges."""
 
 
 def reference() -> str:
@@ -85,7 +89,7 @@ def reference() -> str:
     return PAGE.format(
         least=LEAST,
         most=MOST,
-        sections="\n\n".join(_sections("all sections", [Document], set())),
+        sections="\n\n".join(_sections("all sections", [Document], set(), {})),
         cells=plan.MOST_CELLS,
         dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
@@ -94,23 +98,30 @@ def reference() -> str:
     )
 
 
-def _sections(name: str, made: list[type], seen: set[type]) -> Iterator[str]:
-    """Yield the section of a key, which is one of some records, and those of the keys in it."""
+def _sections(name: str, made: list[type], seen: set[type], said: dict) -> Iterator[str]:
+    """Yield the section of a key, which is one of some records, and those of the keys in it.
+
+    seen: records that the page has so far; said: the section that has a row; both are added to
+    """
     seen |= {*made}
     yield f"## {_title(name)}"
     for one in made:
         text = getdoc(one).partition("\n\nParameters\n")[0]
         first, _, more = text.partition("\n\n")
-        head = [f"### {first.rstrip('.')}"] + [more] * bool(more) if made[1:] else [text]
+        called = f"`name: {one.name}`: " if one in MODELS.values() else ""
+        head = [f"### {called}{first.rstrip('.')}"] * bool(made[1:]) + [more] * bool(more)
         shown = {key for base in one.__mro__[1:] if base in made for key in hints(base)}
-        yield "\n\n".join([*head, "\n".join(_table(one, {*shown, OF_SNAKEMAKE}))])
+        left_out = {*shown, OF_SNAKEMAKE} | ({"name"} if called else set())
+        listed = [row for row in rows(one) if row.key not in left_out]
+        yield "\n\n".join([*head, "\n".join(_table(one, name, listed, said))])
+        said |= dict.fromkeys(listed, name) | said
         if shown:
             yield "Other keys are those above."
     for key, hint in ((key, hint) for one in made for key, hint in hints(one).items()):
         if (nested := _records(hint)) and not seen.issuperset(nested):
             inner = f"{name}.{key}".removeprefix("all sections.")
             yield from _sections(
-                f"each of {inner}" if "list[" in str(hint) else inner, nested, seen
+                f"each of {inner}" if "list[" in str(hint) else inner, nested, seen, said
             )
 
 
@@ -126,20 +137,31 @@ def _records(hint: object) -> list[type]:
     return [*kind.records] if kind else [one for part in get_args(hint) for one in _records(part)]
 
 
-def _table(made: type, left_out: set[str]) -> Iterator[str]:
+def _table(made: type, name: str, listed: list[Row], said: dict[Row, str]) -> Iterator[str]:
     """Yield the lines of a table of keys; keys of which the same is said have one line."""
     yield "| Key | Meaning | Value | Default |"
     yield "|---|---|---|---|"
-    shown = [row for row in rows(made) if row.key not in left_out]
-    for (what, _), group in groupby(shown, lambda row: (row.what, row.default)):
+    new = [row for row in listed if row not in said]
+    for (what, _), group in groupby(new, lambda row: (row.what, row.default)):
         row, *others = group
-        keys, hint = [row.key, *(other.key for other in others)], hints(made)[row.key]
-        value, example = "" if _records(hint) else row.need, getattr(kind_of(hint), "example", "")
-        if others and value:
+        hint = hints(made)[row.key]
+        kind = kind_of(hint)
+        value, example = "" if _records(hint) else row.need, getattr(kind, "example", "")
+        if example.startswith("["):
+            example = ""  # in the form of Python
+        for words in AGAIN:
+            value = value.replace(words, "")
+        if example and kind.unit:  # which says what the kind is
+            value = value.removeprefix(kind.noun).removeprefix(",").strip()
+        if value and {row.need} != {other.need for other in (row, *others)}:
             value, example = "of its kind", ""
-        value += f", `{example}`" * bool(example)
-        needed = row.required or get_args(hint) == (row.default,)
-        yield f"| {_listed(keys)} | {what} | {value} | {_default(row.default, needed)} |"
+        value = ", ".join([value] * bool(value) + [f"`{example}`"] * bool(example))
+        keys, default = [row.key, *(other.key for other in others)], _default(row)
+        yield f"| {_listed(keys)} | {what} | {value} | {default} |"
+    again = [row for row in listed if row in said]
+    for place, group in groupby(again, said.get):
+        where = "above" if place == name else f"in {place}" if " " in place else f"in `{place}`"
+        yield f"| {_listed([row.key for row in group])} | as {where} | | |"
 
 
 def _listed(keys: list[str]) -> str:
@@ -152,11 +174,11 @@ def _listed(keys: list[str]) -> str:
     return ", ".join([of_device, *(f"`{key}`" for key in more)])
 
 
-def _default(default: object, needed: bool) -> str:
-    if needed or default is None:
-        return "required" if needed else ""
-    text = f"{default:g}" if isinstance(default, float) else str(default)
-    return f"`{text.lower() if isinstance(default, bool) else text}`"
+def _default(row: Row) -> str:
+    if row.required or row.default is None:
+        return "required" if row.required else ""
+    text = f"{row.default:g}" if isinstance(row.default, float) else str(row.default)
+    return f"`{text.lower() if isinstance(row.default, bool) else text}`"
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 
 import inspect
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,57 +15,62 @@ from snapmap.study.variables import variables
 PAGE = """\
 # The functions, one by one
 
-With this page you can look up every function and class of `snapmap`; `help(snapmap.threshold)`
-shows the same. Plain numbers are in um, ng and us, so uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and
-1/us; frequencies are in Hz, N in multiples of g, the `gravity` of the device, C in uN us/um,
-temperatures in degC, thermal coefficients in 1/K. Text has its unit, as `"600 um"`, and objects
-with units (pint, astropy, unyt, variables of xarray with `units`) are converted. Text of a plain
-number, as `"0.001"`, is taken where a value has no unit.
+With this page you can look up every function and class of `snapmap`
+([glossary](tutorial.md#glossary)); `help(snapmap.threshold)` shows the same in one piece.
 
-A wrong value raises ValueError, with a line for each that names it; an argument that is missing or
-unknown raises TypeError. Examples with a `device` begin with
+A plain number is in um, ng and us, and so in uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us.
+Frequencies are in Hz, temperatures in degC, thermal coefficients in 1/K. Text has its unit, as
+`"600 um"`; objects with units (pint, astropy, unyt, xarray with `units`) are converted. A value
+without unit may be text, too, as `"0.001"`.
+
+Each function raises what follows, and what stands under it.
+
+{wrong}
+- `TypeError`: An argument is missing or unknown.
+
+Examples with a `device` begin with
 
 ```pycon
 >>> device = snapmap.load_device("config/config.yaml")
 ```
+
+Several functions take these arguments, which their own lists leave out:
+
+{shared}
 
 {sections}
 
 ## The cube
 
 Its dimensions are axes of the device, `shape` and `direction` if several, C, f0 and N. Each
-device's slice equals a run of that device alone, bit for bit. A cell *snaps* when the midpoint
-first reaches the second equilibrium. With `start: second` the shapes change places.
+device's slice equals a run of that device alone, bit for bit. With `start: second` the two shapes
+change places.
 
-Words of `outcome`, whose codes are in its attributes:
-
-- `never`, `latched`, `returned`: the run has settled: by its energy it stays for ever in the first 
-  shape without a snap, in the second, or back in the first; another step may end elsewhere
-- `unsnapped`, `snapped`: its state at the horizon; its future is open
-- `failed`: the run diverged, or its energy ledger did not close
-- `absent`: it has no second stable shape (`skip: true`)
-
-Variables beside `outcome`:
+`outcome` is a code, whose words its attributes hold. The [glossary](tutorial.md#glossary) explains
+`never`, `latched`, `returned`, and `unsnapped` and `snapped`, which are open. `failed`: the run
+diverged, or its energy ledger did not close. `absent`: the device has no second stable shape
+(`skip: true`). Beside it are
 
 - `t_snap`, `t_settled`: time of the snap, and time from which the run has settled, us after the 
-  pulse's start, or NaN; attribute `label_distance` of `t_snap`: [a label can be 
-  wrong](accuracy.md) so near a threshold, relative
+  start of the pulse, or NaN; the attribute `label_distance` of `t_snap` says how near a threshold, 
+  relative, [a label can be wrong](accuracy.md)
 - `blow`: number of the blow of a train or drop that snaps the beam, else 0
 - `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last swing 
-  there (1 where settled); 0 and NaN of `reference`; absent with `until: snap`
+  that it spends there (1 if settled); 0 and NaN with the model `reference`; absent with 
+  `until: snap`
 - `energy_error`: residual of the energy ledger over the pulse's gross work
-- `pulse_work`: work of the pulse on mass and beam, pJ; NaN where the run ended earlier
-- `halvings`: number of halvings of the step until the ledger closed
+- `pulse_work`: work of the pulse on mass and beam, pJ; NaN if the run ended earlier
+- `halvings`: how often the step was halved until the ledger closed
 - `reproduced`, `well_reproduced`: 1 if a run with another step had the same outcome, or well
 - `work_error`, `t_snap_error`: differences to that run in work (relative) and `t_snap` (us), not 
   bounds
 - `t_closed`, `closed_for`, `openings`, `closed_share`: closures of an electrode, each with its 
   `_error` ([electrode](applications/electrode.md))
-- `level`, `agreed`: level of `auto` that decided, 0 or 1; whether both levels agreed (1), 
-  disagreed (0), or only one ran (2)
+- `level`: model of `auto` that decided, 0 the cheap or 1 the fine one; `agreed`: whether both 
+  agreed (1), disagreed (0), or only one ran (2)
 
 Attributes hold the config, versions of code and packages, shares of settled and open cells, the
-numbers of cells that end elsewhere with another step and, estimated, of wrong labels.
+number of cells that end elsewhere with another step, and an estimate of the number of wrong labels.
 
 ## The history
 
@@ -73,32 +79,58 @@ Variables of `simulate` over `time` (us), or without dimension: {history}.
 
 DEVICE = '>>> device = snapmap.load_device("config/config.yaml")\n'
 """The first line of examples, which the page has once."""
+VERBS = {"Returns": "returns ", "Raises": "raises "}
+WRONG = "- `ValueError`: A line for each argument that is wrong."
+KEYS = "The keys of [`{}`](config.md#{}) in a config"
+MODEL = KEYS.format("model", "model") + "."
+IN_CONFIG = {
+    **dict.fromkeys(("Auto", "Cosines", "Elements", "Reference"), MODEL),
+    "Beam": KEYS.format("device.beam", "devicebeam") + ", without `shape` and `quality_factor`.",
+    "Device": KEYS.format("device", "device") + ", without `quality_factor`.",
+    "Run": KEYS.format("run", "run") + ", and `threads`, the number of threads.",
+}
+"""Where the page of the config has the fields of a class, as keys of a section."""
 ADDRESSES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")
 HEADING = re.compile(r"\n\n(\w+)\n-{3,}\n")
 
 
 def reference() -> str:
     """The text of docs/reference.md."""
-    public = {name: getattr(snapmap, name) for name in snapmap.__all__}
-    sections = (_section(name, what) for name, what in public.items())
-    return PAGE.format(sections="\n\n".join(sections), history=_history())
+    public = {name: _parts(getattr(snapmap, name)) for name in snapmap.__all__}
+    entries = Counter(
+        entry
+        for name, parts in public.items()
+        if name not in IN_CONFIG
+        for entry in _entries(parts.get("Parameters", ""))
+    )
+    shared = [entry for entry, times in entries.items() if times > 2]
+    sections = "\n\n".join(
+        _section(name, parts, {*shared, WRONG}) for name, parts in public.items()
+    )
+    shared = "\n".join(shared)
+    return PAGE.format(wrong=WRONG, shared=shared, sections=sections, history=_history())
 
 
-def _section(name: str, described: Callable) -> str:
-    """Its signature and the sections of its docstring."""
+def _parts(described: Callable) -> dict[str, str]:
+    """The sections of its docstring by title, with the text before them under ""."""
     head, *parts = HEADING.split(inspect.getdoc(described))
-    lines = [f"## `{name}`", f"```python\n{_signature(name, described)}\n```", head]
-    for title, text in zip(parts[::2], parts[1::2], strict=True):
-        lines.append(f"**{title}**")
-        is_code = title == "Examples"
-        lines.append(f"```pycon\n{text.replace(DEVICE, '')}\n```" if is_code else _entries(text))
-    return "\n\n".join(lines)
+    return {"": head} | dict(zip(parts[::2], parts[1::2], strict=True))
 
 
-def _entries(text: str) -> str:
-    """Make a list of the entries of a section of numpydoc."""
-    entries = (entry.partition("\n") for entry in re.split(r"\n(?! )", text))
-    return "\n".join(f"- {_code(head)}: {' '.join(body.split())}" for head, _, body in entries)
+def _section(name: str, parts: dict[str, str], left_out: set[str]) -> str:
+    """Its signature and the sections of its docstring, without entries that the page has above."""
+    lines, listed = [f"## `{name}`", f"```python\n{_signature(name)}\n```", parts[""]], []
+    for title in ("Parameters", "Returns", "Raises"):
+        entries = (entry for entry in _entries(parts.get(title, "")) if entry not in left_out)
+        listed += [f"- {VERBS.get(title, '')}{entry[2:]}" for entry in entries]
+    lines.append(IN_CONFIG.get(name, "\n".join(listed)))
+    return "\n\n".join([*lines, f"```pycon\n{parts['Examples'].replace(DEVICE, '')}\n```"])
+
+
+def _entries(text: str) -> list[str]:
+    """Make items of a list of the entries of a section of numpydoc."""
+    entries = (entry.partition("\n") for entry in re.split(r"\n(?! )", text) if entry)
+    return [f"- {_code(head)}: {' '.join(body.split())}" for head, _, body in entries]
 
 
 def _code(head: str) -> str:
@@ -106,8 +138,9 @@ def _code(head: str) -> str:
     return f"`{names}`" + f" ({kind})" * bool(kind)
 
 
-def _signature(name: str, described: Callable) -> str:
+def _signature(name: str) -> str:
     """Parameters and defaults; what a function returns."""
+    described = getattr(snapmap, name)
     signature = inspect.signature(described)
     bare = [part.replace(annotation=part.empty) for part in signature.parameters.values()]
     called = signature.replace(parameters=bare, return_annotation=signature.empty)

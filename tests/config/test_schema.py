@@ -136,4 +136,4 @@ def test_the_page_of_the_config_has_each_key_with_its_sentence(root):
     page = runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]()
     assert "| `horizon` | time followed after the pulse's end |" in page
     assert "| `1500 us` |" in page and "threads" not in page
-    assert page.count("| `stop_toward` ") == 1  # values of the device are said once
+    assert page.count("| `stop_toward`, `stop_away` |") == 1  # values of the device are said once

@@ -69,8 +69,8 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
         "first closure": ["2 us", "6 us", where],
         "openings": ["4", "8", where],
         "force on the electrode at -5 um": ["10.723 uN"],
-        "slow shock that snaps it": ["above 936.78; faster ones may snap it below"],
-        "time that a slow shock must last above it at C = 0.025 mN*s/m": [
+        "N above which a slow shock snaps it": ["936.78; faster shocks may need less"],
+        "time that the slow shock must stay above it, C = 0.025 mN*s/m": [
             f"{2 / growth_rate(device, 25.0):.4g} us, to first order"
         ],
     }.items():

@@ -61,8 +61,8 @@ class MapSection:
     y: Axis
     """vertical axis; a map without N shows thresholds"""
     at: dict[str, object] | None = None
-    """values on other axes, the nearest is taken; the device's own, else the middle, if left out;
-    maps: no N"""
+    """value on each other axis, rounded to the nearest there; left out, the device's own, else the
+    middle of the axis; a map takes no N unless it stands here"""
 
 
 @record
@@ -99,7 +99,7 @@ class SweepSection(_Axes):
     C: Dampers | None = None
     """damping of the mass; required, or `device.quality_factor`, or no mass"""
     threshold_tolerance: Refinement = THRESHOLD_TOLERANCE
-    """relative refinement of thresholds in N"""
+    """relative step of N at which the search for a threshold ends"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
@@ -138,13 +138,14 @@ class Core:
     run: Run = Run()
     """how each cell is followed"""
     skip: Truth = False
-    """whether points without a second stable shape are left out, not refused"""
+    """whether points without a second stable shape are left out; else they are refused"""
     sweep: SweepSection | None = None
     """the axes"""
     maps: list[MapSection] | None = None
-    """maps {x, y, at}; N over f0 at each point of the other axes, at most 12, if left out"""
+    """maps {x, y, at}; left out, N over f0 at each point of the other axes, at most 12"""
     thresholds: list[LinesSection] | None = None
-    """figures {x, lines, at} of thresholds; over each axis, lines for `device` or C, if left out"""
+    """figures {x, lines, at} of thresholds; left out, one over each axis, with a line for each
+    device or C"""
     marks: Marks | None = None
     """a CSV table of points on maps: N, f0 (Hz) or duration (ms), optionally name, snapped (yes,
     no)"""

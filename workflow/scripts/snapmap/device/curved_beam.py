@@ -78,19 +78,19 @@ class Beam:
     residual_stress: Stress = 0.0
     """axial stress before the beam bends; tension is positive"""
     imperfection: Distance = 0.0
-    """amplitude of the first antisymmetric shape in a free beam as made, which needs one above 0"""
+    """amplitude of the first antisymmetric shape as made; a free beam needs one above 0"""
     free: Free = 0.0
     """whether the beam can tilt; a guided beam cannot"""
     clamp_axial: Clamp = math.inf
     """stiffness of each clamp along the beam; rigid if left out"""
     cosine_2: Part = 0.0
-    """amplitude of (1 - cos(4 pi x/L))/2 in the shape as made, over the rise"""
+    """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
     cosine_3: Part = 0.0
-    """amplitude of (1 - cos(6 pi x/L))/2, likewise"""
+    """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
     cosine_4: Part = 0.0
-    """amplitude of (1 - cos(8 pi x/L))/2, likewise"""
+    """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
     cosine_5: Part = 0.0
-    """amplitude of (1 - cos(10 pi x/L))/2, likewise"""
+    """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
 
     def __post_init__(self):
         """Raise ValueError for values that do not fit each other."""

@@ -69,17 +69,17 @@ class Device:
     spring: Stiffness | LeftOut = None
     """stiffness of the spring that holds the mass; required, unless `mass` is none"""
     contact: Contact | LeftOut = None
-    """stiffness where the mass touches the beam, or `hard`; required, as `spring`"""
+    """stiffness of the place of impact, or `hard`; required, unless `mass` is none"""
     gravity: Acceleration | LeftOut = None
     """the unit of N; required, or `force`"""
     gap: Gap = 0.0
     """distance between mass and midpoint at rest"""
     force: Force = 0.0
-    """the unit of N where pulses push the midpoint of a beam alone; replaces `gravity`"""
+    """the unit of N if the pulse pushes the midpoint of a beam without mass; replaces `gravity`"""
     stop_toward: Travel = math.inf
-    """travel of the mass towards the beam up to a stop; no stop if left out"""
+    """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
     stop_away: Travel = math.inf
-    """travel of the mass away from the beam up to a stop; no stop if left out"""
+    """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
     restitution: Restitution = RESTITUTION
     """share of its speed that the mass keeps at a stop"""
     temperature: Temperature | LeftOut = None
@@ -93,10 +93,10 @@ class Device:
     damper_exponent: Exponent = 0.0
     """power of the absolute temperature with which C grows"""
     strength: Strength = math.inf
-    """stress at which the beam breaks; with a modulus, excess over the threshold at which 63 % of
-    beams break; never if left out"""
+    """stress at which the beam breaks, never if left out; with a Weibull modulus, the excess over
+    `strength_threshold` at which 63 % of beams break"""
     strength_modulus: WeibullModulus = math.inf
-    """Weibull modulus of the strength; a larger one scatters less; no scatter if left out"""
+    """Weibull modulus of the strength: the larger, the less scatter; no scatter if left out"""
     strength_threshold: LeastStrength = 0.0
     """stress below which no beam breaks"""
     contact_at: Position = -math.inf

@@ -316,9 +316,9 @@ class Form:
     shape: ShapeName = VERSED_SINE
     """how the acceleration goes over time"""
     rise: Share | None = None
-    """part of the duration in which a trapezoid rises; 10 % if left out"""
+    """part of the duration in which a trapezoid rises or falls; 10 % if left out"""
     fall: Share | None = None
-    """part of the duration in which a trapezoid falls; 10 % if left out"""
+    """part of the duration in which a trapezoid rises or falls; 10 % if left out"""
 
     def __post_init__(self):
         """Raise ValueError for shares that do not fit."""

@@ -45,11 +45,11 @@ class Blow(Form):
     N: Peak = 1.0
     """peak relative to other blows, below 0 for the other direction"""
     duration: PulseTime | None = None
-    """duration of the blow; required, but of a wait or a repeat"""
+    """duration of the blow; required, except with `wait` or `repeat`"""
     wait: PulseTime | None = None
-    """time without a blow, alone in its item"""
+    """time without a blow; alone in its item"""
     repeat: Times | None = None
-    """how often all items before it occur, in total, alone in its item"""
+    """how often the items before it occur in total; alone in its item"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:

@@ -108,8 +108,8 @@ def reference(
     solver
         Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
     kept
-        File to which each run of the solver adds a line, so that no call makes it again. The solver
-        is then a function of a file, and is asked anew after each edit of that.
+        File that keeps each run of the solver in a line, so that no call makes it again. The solver
+        must then be a function in a file; after an edit of that file all runs are made anew.
 
     Returns
     -------
@@ -119,7 +119,7 @@ def reference(
     Raises
     ------
     ValueError
-        One line, for a law that numba cannot compile, if there is none, or a solver beside laws.
+        One line: numba cannot compile a law, there is no law, or a solver stands beside laws.
 
     Examples
     --------

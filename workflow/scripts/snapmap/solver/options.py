@@ -51,7 +51,7 @@ class Cosines:
     modes: Modes | None = None
     """number of modes; all if left out"""
     cosines: Count | None = None
-    """number of symmetric cosines; as many as `modes`, else 5, if left out"""
+    """number of symmetric cosines; left out, as many as `modes`, else 5"""
     laws: UserLaws | None = None
     """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["cosines"] = "cosines"
@@ -71,7 +71,7 @@ class Elements:
     elements: Count = 5
     """number of elements on the half beam"""
     modes: Modes | None = None
-    """number of modes; all if left out, with hard contact three quarters"""
+    """number of modes; left out, all, or three quarters of them with hard contact"""
     laws: UserLaws | None = None
     """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["elements"] = "elements"

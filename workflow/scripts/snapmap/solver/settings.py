@@ -32,12 +32,13 @@ class Run:
     horizon: Duration = 1500.0
     """time followed after the pulse's end"""
     until: Literal["settled", "snap"] = "settled"
-    """a run ends when it has settled in a well; `snap`: or at its snap"""
+    """when a run ends: once it has settled, or, with `snap`, already at its snap"""
     repeat: Truth | None = None
-    """whether each cell runs again with another step, to see if its outcome is reproduced; by
-    default where `until` is `settled`"""
+    """whether each cell runs again with another time step, to see if it ends alike; by default, if
+    `until` is `settled`"""
     energy_tolerance: Fraction = 1e-3
-    """largest residual of the energy ledger of a believed run, over the pulse's gross work"""
+    """largest residual of the energy ledger over the pulse's gross work; above it a run is repeated
+    in half its step, and counts as failed in the end"""
     start: Literal["first", "second"] = "first"
     """shape in which the beam rests at first"""
     threads: Threads = 1

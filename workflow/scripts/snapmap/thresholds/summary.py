@@ -37,12 +37,12 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
     ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
     ends = f"from N = {' to '.join(ends)}, " if N.size else ""
     known = (error / N)[np.isfinite(error)]
-    typical = f"{np.median(known):.2%}" if known.size else "unknown"
+    typical = f"{100 * np.median(known):.2f} %" if known.size else "unknown"
     ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
     line = (
         f"{N.size} of {N_first.size} thresholds found, {ends}"
         f"{ragged} of them ragged, {int((known > 0.01).sum())} with an error above 1 %, "
-        f"median {typical}"
+        f"median error {typical}"
     )
     for number in (NOTHING_SNAPS, NOT_FOLLOWED):
         if count := int((status == number).sum()):

@@ -37,14 +37,13 @@ def threshold(
     Parameters
     ----------
     study
-        Devices, model and shocks; or a Device.
+        Devices, model, shocks, and how each cell is followed; or a Device.
     f0
         Frequencies of the pulse, Hz, each once; None for a recorded shock.
     C
         Dampings of the mass, uN us/um, each once.
     tolerance
-        Relative refinement of N. Thresholds are places on a lattice of this step: only the digits
-        that `N_error` allows count.
+        Relative step of N at which the search ends; only the digits that `N_error` allows count.
     highest
         Largest N searched for islands, multiples of g; by default twice the threshold.
     axes
@@ -53,12 +52,13 @@ def threshold(
     Returns
     -------
     Dataset
-        Over (..., C, f0): `N_first` and its error `N_error`, `N_always`, `N_latched`, `N_bound`
-        below which nothing snaps, by energy; `ragged`, `level`, `verified`, and `status`, why there
-        is no threshold. `N_static` and `velocity_change` (m/s) are the limits of slow and short
-        pulses; `N_slow` is the law of slow pulses, by their `dwell` (us) above N_static. A pulse
+        Over (..., C, f0). `N_first` is the threshold, `N_error` its error; above `N_always` every
+        run seen snaps, above `N_latched` each latches; below `N_bound` nothing snaps, by energy.
+        `ragged`, `level` and `verified` say how it was found, `status` why there is none.
+        `N_static` and `velocity_change` (m/s) are the limits of long and short pulses; `N_slow` is
+        the N at which a long pulse stays above `N_static` for the time `dwell` (us). A pulse
         changes the velocity by `area` N g / f0. `scale_first` is the factor on a record in known
-        units. Words of a code are in its attribute `flag_meanings`.
+        units. The attribute `flag_meanings` has the words of a code.
 
     Raises
     ------

@@ -89,7 +89,7 @@ def calibrate(
     Parameters
     ----------
     study
-        Device, model, and the shock of shots that name none; or a Device.
+        Device and model, and the shock of shots that name none; or a Device.
     shots
         Path of a CSV file, or columns of one length: `N`, `duration` (us) or `f0` (Hz), `tripped`
         (true or false), and optionally `direction`, `shape`, `file` (a record).

@@ -62,7 +62,7 @@ def datasheet(
     unit, size = damper
     of_C = f"C, {unit}"
     head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
-    head += ["of devices as made", "margin", "the beam", "verdict"]
+    head += ["of devices as made", "threshold over required", "the beam", "verdict"]
     head += ["strength over stress", "breaks"]
     verdicts = [{**row, "C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
@@ -79,9 +79,9 @@ def datasheet(
             sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
-        level = f"{plain(device.gravity * 1e6)} m/s^2"
-        level = f"{device.force:g} uN on the midpoint" if device.force else level
-        words = f"Thresholds in multiples of {level}, and over the required level, worst first:\n"
+        of_N = f"{plain(device.gravity * 1e6)} m/s^2"
+        of_N = f"{device.force:g} uN on the midpoint" if device.force else of_N
+        words = f"Required shocks, worst first; amplitudes are multiples of {of_N}:\n"
         sheets += [words, table(head, (_verdict(row, batch) for row in rows)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
@@ -135,14 +135,14 @@ def _at_rest(device, laws, verdicts, damper):
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
-    slow = f"above {static_threshold(device):.5g}; faster ones may snap it below"
-    yield ["slow shock that snaps it", OF_LAWS if laws else slow]
+    slow = f"{static_threshold(device):.5g}; faster shocks may need less"
+    yield ["N above which a slow shock snaps it", OF_LAWS if laws else slow]
     unit, size = damper
     for C in sorted({row["C"] for row in verdicts}) if not laws else ():
         dwell = 2 / growth_rate(device, C * size)
         unknown = "not known: the law of slow shocks does not hold here"
         text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
-        yield [f"time that a slow shock must last above it at C = {C:g} {unit}", text]
+        yield [f"time that the slow shock must stay above it, C = {C:g} {unit}", text]
 
 
 def _of_beam(device):

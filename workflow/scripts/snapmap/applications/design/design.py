@@ -80,7 +80,7 @@ def design(
     value
         Name of a value of the device, or "C".
     N
-        Multiples of g; None with requirements.
+        Wanted threshold, multiples of g; None with requirements.
     f0
         Frequency of the pulse, Hz; None with requirements.
     C
@@ -94,10 +94,10 @@ def design(
     Returns
     -------
     Design or Dataset
-        A Design, the lowest of several values with a warning. With requirements a Dataset of `low`
-        and `high`, their errors, and what ends each window (`low_from`, `high_from`) over `window`,
-        and `met` over `requirement` and `tried`; without a window a warning says where each
-        requirement holds.
+        A Design; if several values are right, the lowest, and a warning. With requirements, a
+        Dataset with the ends `low` and `high` of each `window`, their errors, and the requirements
+        that set them (`low_from`, `high_from`), and whether each `requirement` is `met` at each
+        value `tried`; if there is no window, a warning says where each requirement holds.
 
     Raises
     ------

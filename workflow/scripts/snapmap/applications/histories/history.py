@@ -49,7 +49,7 @@ valid, and warned of."""
 def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) -> xr.Dataset:
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
-    Of the model `auto` the finest level follows; `energy_tolerance` only sets the time step.
+    Of the models of `auto` the finest is used; `energy_tolerance` only sets the time step.
 
     Parameters
     ----------
@@ -65,12 +65,12 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     Returns
     -------
     Dataset
-        The motion over `time` (us). Variables without dimension are of this motion, whose steps are
-        shorter than those of a sweep: `outcome` (a code, as in a cube), `t_snap` (us, NaN without a
-        snap), `blow`, the closures of an electrode; the largest `toward_max`, `away_max` (travel of
-        the mass from rest, um), `contact_force_max` (uN), `stress_max`, `stress_max_to_snap` (MPa).
-        The errors that the time step makes, `work_error` (relative) and `t_snap_error` (us), are
-        four times the spread of runs in 1, 3/4 and 1/2 of it.
+        The motion over `time` (us), in shorter steps than those of a sweep. Single numbers are
+        `outcome` (a code, as in a cube), `t_snap` (us, NaN without a snap), `blow`, the closures of
+        an electrode, and the largest travel of the mass from rest (`toward_max`, `away_max`, um),
+        force (`contact_force_max`, uN) and stress (`stress_max`, `stress_max_to_snap`, MPa). The
+        errors `work_error` (relative) and `t_snap_error` (us) are four times the spread of runs in
+        1, 3/4 and 1/2 of the time step.
 
     Raises
     ------

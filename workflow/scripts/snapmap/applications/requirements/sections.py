@@ -85,12 +85,12 @@ class ShockSection(PulseSection):
     name: Title
     """unique name"""
     N: Amplitude | None = None
-    """peak of the shock over gravity; required, but of a drop"""
+    """peak of the shock over gravity; required, except for a drop"""
     snaps: Snaps
-    """whether the device must trip and stay tripped; `arrives`: it must arrive at its other shape,
-    if only for a moment; `any`: either is right"""
+    """whether the device must trip and stay tripped; `arrives`: it must reach its other shape, if
+    only for a moment; `any`: either is right"""
     survives: Survives = SURVIVES
-    """true, false or a share: whether, or how probably, the beam must not break; true is 99.9 %"""
+    """least probability that the beam does not break; true is 99.9 %, false is 0"""
     f0: Frequency | None = None
     """1/duration of the shock; required, or `duration`, or a shock with its own"""
     duration: PulseTime | None = None

@@ -23,7 +23,7 @@ class VibrationSection:
     duration: PulseTime
     """duration of the vibration, such as 3 min"""
     probability: Share = REACH
-    """largest probability of a trip, or, where it must trip, of none"""
+    """largest allowed probability that it trips, or, where it must trip, that it does not"""
 
     def __post_init__(self):
         """Raise ValueError for what cannot be in any study."""

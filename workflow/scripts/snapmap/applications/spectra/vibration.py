@@ -52,12 +52,12 @@ def vibration(
     reach: Fraction = REACH,
     axes: Axes | None = None,
 ) -> xr.Dataset:
-    """Find how often Gaussian vibration snaps a device, and the level that it withstands.
+    """Find how often Gaussian vibration snaps a device, and the strength that it withstands.
 
     Parameters
     ----------
     study
-        Devices and model, of which `auto` takes 5 cosines; or a Device.
+        Devices and model, or a Device; `auto` takes 5 cosines.
     psd
         One-sided density, as ascending pairs (Hz, g^2/Hz), interpolated on logarithmic scales.
     duration
@@ -70,16 +70,17 @@ def vibration(
     seed
         Seed of the random phases.
     reach
-        Probability of a snap within the duration at the returned level.
+        Probability of a snap within the duration, for which `level` is found.
     axes
         Values of the device, internal units, by name.
 
     Returns
     -------
     Dataset
-        Over (..., C): `rate` and `probability` under this spectrum, with Poisson's bounds, and
-        `level` (g rms) by Rice's law, with bounds. Where the runs do not determine it, it is NaN,
-        from 0 to inf; if none snaps at any level, inf. `rms` is that of the spectrum (g).
+        Over (..., C): `rate` and `probability` under this spectrum, with Poisson's bounds, and the
+        strength `level` (g rms) of the same spectrum that has the probability `reach`, by Rice's
+        law, with bounds: NaN, from 0 to inf, if the runs do not determine it; inf if none snaps at
+        any strength. `rms` is that of the spectrum as given (g).
 
     Raises
     ------

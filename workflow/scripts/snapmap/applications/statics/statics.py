@@ -47,8 +47,8 @@ def statics(study: SingleStudy) -> xr.Dataset:
         `displacement` (um), `force` (uN) and `energy` (pJ) over (branch, point). Branches are
         `guided`, a symmetric beam (Vangbo, 1998); `unbranched`, the second mode suppressed, which
         is not physical; and `tilted`, a beam free to tilt, with its imperfection.
-        Without dimension, of the beam's own path: `largest_force` and `least_force` between the
-        shapes (uN; above 0 the beam returns by itself), w(L/2) of both shapes and the saddle
+        Single numbers are of the path that the beam takes: `largest_force` and `least_force`
+        between the shapes (uN; above 0 the beam returns by itself), w(L/2) of shapes and saddle
         (`rise`, `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0
         without a second stable shape), and `hold_force` (uN) on an electrode.
 

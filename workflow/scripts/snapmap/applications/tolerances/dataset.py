@@ -58,7 +58,7 @@ def tolerance(
     Parameters
     ----------
     study
-        Devices, model and shocks; or a Device.
+        Devices, model, shocks, and how each cell is followed; or a Device.
     scatters
         Standard deviation of each value, in internal units or as a share such as "5 %", or
         {kind: width} of normal, uniform (half width), lognormal or truncated (at two standard
@@ -68,9 +68,9 @@ def tolerance(
     C
         Dampings of the mass, uN us/um, each once.
     N
-        Multiples of g for probabilities; by default the range of thresholds.
+        Amplitudes to give probabilities at, multiples of g; by default the range of thresholds.
     threshold_tolerance
-        Relative refinement of each threshold.
+        Relative step of N at which each search ends.
     samples
         Number of devices.
     index_samples
@@ -80,14 +80,14 @@ def tolerance(
     together
         Groups of names, as [["span", "rise"]]; a single draw moves each group.
     requirements
-        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction, start, and survives
+        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction, start and survives
         (whether the beam must not break).
 
     Returns
     -------
     Dataset
         Statistics of the thresholds over (..., C, f0), probabilities of a snap over N, Sobol
-        indices over what scatters, and the yield under the requirements.
+        indices of each value that scatters, and the yield under the requirements.
 
     Raises
     ------
