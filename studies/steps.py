@@ -26,7 +26,7 @@ from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 from .tables import Table, write
 
-SEED, DEVICES, COSINES = 5, 24, 7
+SEED, DEVICES, COSINES = 5, 8, 7
 DEFAULT = "default"
 RULES = {
     DEFAULT: {},
