@@ -8,7 +8,7 @@ NAMES = (
     *("convergence", "labels", "validation", "measured", "laws", "laws_speed", "peers"),
     *("clamps", "limits", "islands", "calibration", "impacts"),
 )
-SLOW = ("coverage", "steps")
+SLOW = ("coverage", "stability", "steps")
 """Studies that take more than ten minutes of a processor."""
 
 
