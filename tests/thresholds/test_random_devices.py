@@ -74,14 +74,14 @@ def test_a_bar_covers_what_the_finest_model_sees(handout):
 
 
 def test_rows_too_slow_to_judge_are_counted(monkeypatch):
-    """All of versed sines are judged; of other pulses some are not, and the slowest are these."""
+    """Few of versed sines are not judged; of other pulses some, and the slowest are these."""
 
     def left_out(of_all):
         draw = np.random.default_rng(7)
         return np.array([draw_rows(draw, of_all)[-1] for _ in range(20)])
 
-    assert not left_out(False).any()
-    some = left_out(True)
-    assert 0 < some.mean() < 0.5 and some[:, 0].sum() > some[:, -1].sum()
+    few, some = left_out(False), left_out(True)
+    assert few.mean() < 0.1 < some.mean() < 0.8
+    assert all(missing[:, 0].sum() >= missing[:, -1].sum() for missing in (few, some))
     monkeypatch.setattr(coverage, "MOST_STEPS", np.inf)
     assert not left_out(True).any()

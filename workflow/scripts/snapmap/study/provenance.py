@@ -57,9 +57,14 @@ def provenance(document: Mapping) -> dict[str, str]:
 
 
 def unit_of_C(attributes: Mapping[str, str]) -> str:
-    """Give the unit of C, as a config spells it, by the attributes of a product."""
-    model = json.loads(attributes.get("config", "{}")).get("model", {})
-    return model.get("unit_of_C", INTERNAL)
+    """Give the unit of C, as a config spells it, by the attributes of a product.
+
+    What checks the product tells of a `config` that is not JSON.
+    """
+    with suppress(ValueError):
+        model = json.loads(attributes.get("config", "{}")).get("model", {})
+        return model.get("unit_of_C", INTERNAL)
+    return INTERNAL
 
 
 @cache
