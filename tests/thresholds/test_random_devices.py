@@ -74,7 +74,7 @@ def test_a_bar_covers_what_the_finest_model_sees(handout):
 
 
 def test_rows_too_slow_to_judge_are_counted(monkeypatch):
-    """Few of versed sines are not judged; of other pulses some, and the slowest are these."""
+    """Few are of versed sines; of other pulses many, and the slowest are these."""
 
     def left_out(of_all):
         draw = np.random.default_rng(7)
@@ -82,6 +82,6 @@ def test_rows_too_slow_to_judge_are_counted(monkeypatch):
 
     few, some = left_out(False), left_out(True)
     assert few.mean() < 0.1 < some.mean() < 0.8
-    assert all(missing[:, 0].sum() >= missing[:, -1].sum() for missing in (few, some))
+    assert some[:, 0].sum() > some[:, -1].sum()
     monkeypatch.setattr(coverage, "MOST_STEPS", np.inf)
     assert not left_out(True).any()
