@@ -26,7 +26,7 @@ from .common import ROOT, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 from .tables import Table, write
 
-SEED, DEVICES, COSINES = 5, 8, 7
+SEED, DEVICES, DEVICES_SLOW, COSINES = 5, 8, 2, 7
 DEFAULT = "default"
 RULES = {
     DEFAULT: {},
@@ -124,7 +124,7 @@ def slow():
     shocks = Shocks(make_pulse())
     for name, landing in few(LANDINGS).items():
         draw, errors = np.random.default_rng(SEED + 2), []
-        for _ in range(few(DEVICES)):
+        for _ in range(few(DEVICES_SLOW)):
             device = landing(draw_device(draw), draw)
             errors.append(errors_of(device, shocks, draw, SLOW, np.inf, SLOW_RULES))
         for rule, of_rule in zip(few(SLOW_RULES), np.concatenate(errors, axis=1), strict=True):
