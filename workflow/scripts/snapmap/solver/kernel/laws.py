@@ -1,6 +1,6 @@
 """A user's laws in a step: damping by a function, contact and restoring force by tables.
 
-See docs/theory.md, "Laws of a user".
+See docs/theory.md, "A user's own laws".
 """
 
 from typing import NamedTuple
