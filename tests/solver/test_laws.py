@@ -273,13 +273,13 @@ def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
 
     monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
     with pytest.raises(
-        ValueError, match=r"\Amodel\.laws: \S*test_laws\.py, line \d+: damping: damping: V"
+        ValueError, match=r"\Amodel\.laws: .*test_laws\.py, line \d+: damping: damping: V"
     ):
         plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
     for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):
         where = rf"solver at N = 900, f0 = {f0:g} Hz, C = 25 uN\*us/um"
         with pytest.raises(
-            ValueError, match=rf"\Amodel\.laws: \S+, line \d+: {where}: {error}\Z"
+            ValueError, match=rf"\Amodel\.laws: .+, line \d+: {where}: {error}\Z"
         ) as caught:
             flat.sweep(handout, [900.0], [f0], [25.0], model=solver)
         assert isinstance(caught.value.__cause__, KeyError | SystemExit)
@@ -378,7 +378,7 @@ def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
 
 @pytest.mark.parametrize("answer", [True, False, -1.0, "snapped", 1j])
 def test_an_answer_of_a_solver_that_is_no_time_is_refused(handout, answer):
-    line = r"^model\.laws: \S*test_laws\.py, line \d+: <lambda> at N = 900, .*: returns .*;"
+    line = r"^model\.laws: .*test_laws\.py, line \d+: <lambda> at N = 900, .*: returns .*;"
     with pytest.raises(ValueError, match=line):
         flat.sweep(handout, [900.0], [F0], [0.0], model=lambda cell, step: answer)
 
