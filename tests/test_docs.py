@@ -26,7 +26,6 @@ from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.applications.spectra.required import RequiredVibration
 from snapmap.beam.modal import natural_frequency
-
 from snapmap.config.study import load_config
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
