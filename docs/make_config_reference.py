@@ -42,7 +42,7 @@ maps:
 PAGE = """\
 # The config, key by key
 
-With this page you can look up every key of a config, with its unit, range and default
+Here you can look up every key of a config, with its unit, range and default
 ([glossary](tutorial.md#glossary)). A config is a YAML file of one mapping, such as
 [the handout's](../config/handout.yaml) or [the tutorial's](../config/sensor.yaml). An editor with a
 language server for YAML shows the same and marks mistakes, if the first line names

@@ -15,7 +15,7 @@ from snapmap.study.variables import variables
 PAGE = """\
 # The functions, one by one
 
-With this page you can look up every function and class of `snapmap`
+Here you can look up every function and class of `snapmap`
 ([glossary](tutorial.md#glossary)); `help(snapmap.threshold)` shows the same in one piece.
 
 A plain number is in um, ng and us, and so in uN, MPa, pJ, uN/um, ng/um^3, um/us^2 and 1/us.
@@ -81,6 +81,8 @@ DEVICE = '>>> device = snapmap.load_device("config/config.yaml")\n'
 """The first line of examples, which the page has once."""
 VERBS = {"Returns": "returns ", "Raises": "raises "}
 WRONG = "- `ValueError`: A line for each argument that is wrong."
+OTHER = "`ValueError`:"
+
 KEYS = "The keys of [`{}`](config.md#{}) in a config"
 MODEL = KEYS.format("model", "model") + "."
 IN_CONFIG = {
@@ -122,7 +124,8 @@ def _section(name: str, parts: dict[str, str], left_out: set[str]) -> str:
     lines, listed = [f"## `{name}`", f"```python\n{_signature(name)}\n```", parts[""]], []
     for title in ("Parameters", "Returns", "Raises"):
         entries = (entry for entry in _entries(parts.get(title, "")) if entry not in left_out)
-        listed += [f"- {VERBS.get(title, '')}{entry[2:]}" for entry in entries]
+        said = (entry[2:].replace(WRONG[2:], OTHER) for entry in entries)
+        listed += [f"- {VERBS.get(title, '')}{entry}" for entry in said]
     lines.append(IN_CONFIG.get(name, "\n".join(listed)))
     return "\n\n".join([*lines, f"```pycon\n{parts['Examples'].replace(DEVICE, '')}\n```"])
 

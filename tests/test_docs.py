@@ -25,11 +25,12 @@ from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.corners import read_verdicts
 from snapmap.applications.spectra.required import RequiredVibration
+from snapmap.beam.modal import natural_frequency
 from snapmap.config.study import load_config
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
 
-PAGES = "recipes", "own-physics", "tutorial", "figures"
+PAGES = "recipes", "own-physics", "tutorial", "figures", "theory", "thresholds", "pulses"
 IN_PYTHON = *PAGES, *(f"applications/{name}" for name in attached())
 """Pages whose numbers are those of the Python in them."""
 
@@ -47,6 +48,23 @@ def test_the_tutorial_writes_the_config_that_there_is(root, sensor):
     tutorial = (root / "docs" / "tutorial.md").read_text(encoding="utf-8")
     assert "\n".join(blocks(tutorial, "yaml")) == sensor
     load_config(yaml.safe_load(sensor))
+
+
+def test_the_equilibria_on_the_page_of_theory_are_those_of_its_formulas(root, handout):
+    """Midpoint, energy and N over N_1, by (16) to (18); the frequency is that of the package."""
+    page, beam, Q = (root / "docs" / "theory.md").read_text(encoding="utf-8"), handout.beam, 5.0
+    unit = np.pi**4 * beam.youngs_modulus * beam.depth * beam.thickness**3 / 12 * beam.rise**2
+    unit /= beam.span**3
+    assert f"$E_1={unit:.3f}$ pJ" in page
+    half = 0.5 * np.sqrt(1 - 16 / (3 * Q**2))
+    r = 0.5 * np.sqrt(8 / 9 - 16 / (3 * Q**2))
+    assert f"$r=\\pm{r:.5f}$" in page
+    for s, r2, digits in ((-1 / 3, r**2, None), (-0.5 - half, 0.0, 4), (-0.5 + half, 0.0, 3)):
+        load = 3 * Q**2 / 4 * (1 - s**2 - 4 * r2)
+        energy = unit * ((1 - s) ** 2 + 16 * r2 + 2 / (3 * Q**2) * load**2)
+        shown = "4" if digits is None else f"{load:.{digits}f}"
+        assert f"| ${beam.rise * s:.5f}$ | {energy:.3f} | {shown} |" in page
+    assert f"vibrates at {1e3 * natural_frequency(beam) / (2 * np.pi):.1f} kHz" in page
 
 
 def test_the_demands_of_the_recipe_are_read(root, sensor):

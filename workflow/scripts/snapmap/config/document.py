@@ -61,8 +61,8 @@ class MapSection:
     y: Axis
     """vertical axis; a map without N shows thresholds"""
     at: dict[str, object] | None = None
-    """value on each other axis, rounded to the nearest there; left out, the device's own, else the
-    middle of the axis; a map takes no N unless it stands here"""
+    """values on other axes, each rounded to the nearest there; left out, an axis takes the device's
+    own value, else its middle, and N takes none"""
 
 
 @record

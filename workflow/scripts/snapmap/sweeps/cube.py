@@ -75,7 +75,8 @@ def sweep(
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one on a device without a second stable shape.
+        A line for each argument that is wrong.
+        One line, for a device without a second stable shape.
 
     Examples
     --------

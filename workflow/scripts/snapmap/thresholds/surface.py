@@ -52,18 +52,16 @@ def threshold(
     Returns
     -------
     Dataset
-        Over (..., C, f0). `N_first` is the threshold, `N_error` its error; above `N_always` every
-        run seen snaps, above `N_latched` each latches; below `N_bound` nothing snaps, by energy.
-        `ragged`, `level` and `verified` say how it was found, `status` why there is none.
-        `N_static` and `velocity_change` (m/s) are the limits of long and short pulses; `N_slow` is
-        the N at which a long pulse stays above `N_static` for the time `dwell` (us). A pulse
-        changes the velocity by `area` N g / f0. `scale_first` is the factor on a record in known
-        units. The attribute `flag_meanings` has the words of a code.
+        Over (..., C, f0): `N_first` is the threshold, `N_error` its error, `status` why there is
+        none. Above `N_always` every run seen snaps, above `N_latched` each latches; below `N_bound`
+        nothing snaps. `N_static` and `velocity_change` (m/s) are the limits of long and short
+        pulses. docs/thresholds.md describes all variables.
 
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one on a device without a second stable shape.
+        A line for each argument that is wrong.
+        One line, for a device without a second stable shape.
 
     Examples
     --------

@@ -109,7 +109,8 @@ def calibrate(
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one on shots that determine nothing.
+        A line for each argument that is wrong.
+        One line, for shots that determine nothing.
 
     Examples
     --------

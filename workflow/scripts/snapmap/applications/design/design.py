@@ -102,7 +102,8 @@ def design(
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one where no value gives the threshold.
+        A line for each argument that is wrong.
+        One line, if no value gives the threshold.
 
     Examples
     --------

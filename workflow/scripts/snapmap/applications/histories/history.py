@@ -66,16 +66,15 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     -------
     Dataset
         The motion over `time` (us), in shorter steps than those of a sweep. Single numbers are
-        `outcome` (a code, as in a cube), `t_snap` (us, NaN without a snap), `blow`, the closures of
-        an electrode, and the largest travel of the mass from rest (`toward_max`, `away_max`, um),
-        force (`contact_force_max`, uN) and stress (`stress_max`, `stress_max_to_snap`, MPa). The
-        errors `work_error` (relative) and `t_snap_error` (us) are four times the spread of runs in
-        1, 3/4 and 1/2 of the time step.
+        `outcome` (a code, as in a cube), `t_snap` (us, NaN without a snap), the largest travel of
+        the mass from rest (`toward_max`, `away_max`, um), force (`contact_force_max`, uN) and
+        stress (`stress_max`, MPa), and the errors `work_error` (relative) and `t_snap_error` (us).
 
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one if the study has several devices or shocks.
+        A line for each argument that is wrong.
+        One line, if the study has several devices or shocks.
 
     Examples
     --------

@@ -78,9 +78,9 @@ def vibration(
     -------
     Dataset
         Over (..., C): `rate` and `probability` under this spectrum, with Poisson's bounds, and the
-        strength `level` (g rms) of the same spectrum that has the probability `reach`, by Rice's
-        law, with bounds: NaN, from 0 to inf, if the runs do not determine it; inf if none snaps at
-        any strength. `rms` is that of the spectrum as given (g).
+        strength `level` (g rms) of the same spectrum that has the probability `reach`, with
+        bounds: NaN if the runs do not determine it, inf if none snaps at any strength. `rms` is
+        that of the spectrum as given (g).
 
     Raises
     ------

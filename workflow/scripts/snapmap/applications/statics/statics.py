@@ -46,7 +46,7 @@ def statics(study: SingleStudy) -> xr.Dataset:
     Dataset
         `displacement` (um), `force` (uN) and `energy` (pJ) over (branch, point). Branches are
         `guided`, a symmetric beam (Vangbo, 1998); `unbranched`, the second mode suppressed, which
-        is not physical; and `tilted`, a beam free to tilt, with its imperfection.
+        is not physical; and `tilted`, a beam free to tilt.
         Single numbers are of the path that the beam takes: `largest_force` and `least_force`
         between the shapes (uN; above 0 the beam returns by itself), w(L/2) of shapes and saddle
         (`rise`, `second_equilibrium`, `saddle`, um), the energy of the saddle (`barrier`, pJ; 0

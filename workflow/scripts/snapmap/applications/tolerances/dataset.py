@@ -92,7 +92,8 @@ def tolerance(
     Raises
     ------
     ValueError
-        A line for each argument that is wrong, or one on a sample that cannot exist.
+        A line for each argument that is wrong.
+        One line, for a sample that cannot exist.
 
     Examples
     --------
