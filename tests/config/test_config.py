@@ -223,6 +223,18 @@ def test_durations_stand_for_frequencies():
         assert study.requests["histories"][0].shock == {"N": 1000.0, "f0": 2000.0, "C": 0.0}
 
 
+def test_a_history_has_the_duration_and_damper_that_the_study_alone_has():
+    train = {"train": [{"duration": "0.1 ms"}, {"wait": "0.3 ms"}]}
+    alone = {"sweep__C": ["3 kg/s"], "histories": [{"N": 7}]}
+    itself = alone | {"pulse": train, "sweep__f0": MISSING}
+    (cell,) = load_config(changed(**itself)).requests["histories"]
+    assert cell.shock == {"N": 7.0, "f0": 2500.0, "C": 3e6}
+    several = changed(**(itself | {"sweep__C": ["1 kg/s", "2 kg/s"]}))
+    for document, key in ((changed(**alone), "f0"), (several, "C")):
+        (line,) = faults(document)
+        assert line.startswith(f"histories[0].{key}: missing; write ")
+
+
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
 ANY = BLOW | {"snaps": "any"}

@@ -132,3 +132,13 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
         shares.append(np.mean(is_second == (seen.well[i] == 2)))
     np.testing.assert_allclose(seen.well_share[open_ones], shares, atol=0.03)
     assert min(shares) < 0.9
+
+
+def test_a_beam_without_a_saddle_that_rests_again_is_seen_on_the_side_of_its_only_shape(handout):
+    tilts = varied(handout, free=1.0, imperfection=0.05, thickness=2.5, damping=0.03)
+    built = build_model(tilts, Cosines(cosines=3))
+    assert built.barrier.energy == 0
+    N = np.array([100.0, 1500.0, 4000.0])
+    seen = built.follow_once(to_cells(tilts, 0, N, 5e3, 100.0, 3000.0), Run(3000.0))
+    assert np.isnan(seen.t_settled).all() and np.isfinite(seen.t_snap).any()
+    assert set(seen.well) == {1} and set(seen.well_share) == {1}

@@ -181,3 +181,12 @@ def test_a_figure_has_the_history_in_ms_and_multiples_of_g_and_marks_the_first_s
     snap = [[0.0225, 0], [0.0225, 1]]
     assert lines == [[[0, -9], [1, -9]], snap, [[0.0225, -9.0]]] and of_force == of_shock == [snap]
     assert [len(curves) for curves in curves_of(make_history(10, 0, -8.9))] == [3, 1, 1]
+
+
+@pytest.mark.usefixtures("paper")
+def test_a_caption_names_the_values_that_a_cell_has_in_place_of_the_devices_own():
+    drawn = style.double_column(height=4.2)
+    changed = make_history(10, 0, -12).assign_coords(temperature=-33.0, device="b2")
+    figure.draw_history(drawn.subplots(3, sharex=True), changed)
+    words = drawn.legends[0].get_title().get_text()
+    assert words.startswith("device b2, temperature −33 °C, $C$ = 0.025 ") and "$N$ = 1000" in words

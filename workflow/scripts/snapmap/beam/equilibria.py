@@ -114,7 +114,7 @@ class Barrier(NamedTuple):
     """The lowest saddle between the two stable shapes; numbers, or arrays (devices,).
 
     energy: at the saddle, above the beam at rest in its first shape, pJ
-    midpoint: w(L/2) at the saddle minus that at rest, um
+    midpoint: w(L/2) at the saddle minus that at rest, um; halfway to `second` without a saddle
     second: w(L/2) in the second shape, um; that of the guided beam if tilting leaves none
     first: w(L/2) in the first shape, at rest, um
     """
@@ -137,13 +137,15 @@ def find_barrier(beam: Beam, basis: Basis, modes: int | None = None) -> Barrier:
     modal, saddle, second_rest = saddle_and_second(beams, modes)
     exists = np.isfinite(saddle).all(axis=-1)
     energy = np.where(exists, _unit_energy(modal, beams.axial, saddle), 0.0)[beams.index]
-    midpoint = np.where(exists, dot(modal.midpoint, saddle), 0.0)[beams.index]
     first, second = rise * beams.midpoint[beams.index], beam.second_equilibrium
     if basis.tilt.any():
         stays = first + dot(modal.midpoint, second_rest)[beams.index] * rise
         second = np.where(exists[beams.index], stays, second)
     unit = beam.stiffness_unit * rise * rise
-    barrier = Barrier(energy=energy * unit, midpoint=midpoint * rise, second=second, first=first)
+    # ASSUME: without a saddle a beam is on the side of the shape that is nearer.
+    halfway, at_saddle = (second - first) / 2, dot(modal.midpoint, saddle)[beams.index] * rise
+    midpoint = np.where(exists[beams.index], at_saddle, halfway)
+    barrier = Barrier(energy=energy * unit, midpoint=midpoint, second=second, first=first)
     return barrier if np.ndim(beam.rise) else Barrier(*(np.asarray(v).item() for v in barrier))
 
 

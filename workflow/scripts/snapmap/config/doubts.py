@@ -114,7 +114,8 @@ def stopped(device: Device) -> str:
     if not device.has_stops:
         return ""
     travel = device.stop_toward
-    needed = float(device.gap - find_barrier(device.beam, shapes_of(device.beam)).midpoint)
+    barrier = find_barrier(device.beam, shapes_of(device.beam))
+    needed = float(device.gap - barrier.midpoint) if barrier.energy > 0 else 0.0
     if travel <= device.gap:
         return f"stop_toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:

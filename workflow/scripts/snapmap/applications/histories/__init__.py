@@ -15,7 +15,7 @@ class Histories(Application):
     part = "8 Histories"
 
     def section(self) -> tuple[Any, str]:
-        """A list of cells, each with N, f0 or duration, and C."""
+        """A list of cells, each with N, and f0, duration and C unless the study gives them."""
         from .sections import CellSection
 
         return list[CellSection], "cells {N, f0 or duration, C} whose motion is kept"
@@ -24,7 +24,7 @@ class Histories(Application):
         """The cells, each with its device."""
         from .sections import read_cells
 
-        return read_cells(section or (), study.device)
+        return read_cells(section or (), study)
 
     def alone(self, study: Config) -> list[float]:
         """f0 of the cells, Hz."""
@@ -52,12 +52,15 @@ class Histories(Application):
         """Follow each cell beyond its snap, under the first pulse of the study."""
         from dataclasses import replace
 
+        from ...study.axes import attributes_of
         from ...study.netcdf import write
         from .history import history_of
 
         shocks = study.shocks.first()
         for cell, path in zip(study.requests["histories"], history_paths, strict=True):
-            write(history_of(replace(study, device=cell.device).under(shocks), **cell.shock), path)
+            history = history_of(replace(study, device=cell.device).under(shocks), **cell.shock)
+            at = {key: ((), value, attributes_of(key)) for key, value in cell.changes.items()}
+            write(history.assign_coords(at), path)
 
     def figures(self, study: Config) -> Figures:
         """A figure for each cell."""

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from ...figures import style
-from ...figures.scales import number, value_text
+from ...figures.scales import number, place_text
 
 BEAM, MASS, AID = "C5", "black", "0.3"
 FINE = 0.5
@@ -58,8 +58,8 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
 
 def _caption(history):
     """The shock, the model and, if known, the errors that the time step makes."""
-    shock = (value_text(key, history[key].item()) for key in ("N", "f0", "C"))
-    words = ", ".join(filter(None, [*shock, style.case(history.attrs, style.PAGE)]))
+    case = style.case(history.attrs, style.PAGE)
+    words = "\n".join(filter(None, [place_text(history, style.PAGE), case]))
     work, snap = (history[key].item() for key in ("work_error", "t_snap_error"))
     if math.isnan(work):
         return words

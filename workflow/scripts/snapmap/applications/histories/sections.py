@@ -1,7 +1,7 @@
 """The section `histories`: cells whose motion is kept in full."""
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from ...study.axes import DEVICE, KIND_OF
 from ...values.faults import at_key
 from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from ...values.records import record, row_of_kinds, told
+
+if TYPE_CHECKING:
+    from ...config.study import Config
 
 
 def _changed(key):
@@ -26,19 +29,19 @@ class CellSection(row_of_kinds("Changes", {key: _changed(key) for key in VALUES}
     N: Amplitude | None = None
     """peak of the shock over gravity"""
     f0: Frequency | None = None
-    """1/duration of the shock; required, or `duration`"""
+    """1/duration of the shock; required, or `duration`, or a pulse that has its own"""
     duration: PulseTime | None = None
     """duration of the shock; replaces f0"""
     C: Damper | None = None
-    """damping of the mass"""
+    """damping of the mass; required, unless the study has a single C"""
     device: str | None = None
     """name of one of the devices; the first if left out"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
         """Find keys that are missing, or that exclude each other."""
-        needs = {key: f"missing; write {KIND_OF[key].asks}" for key in ("N", "C")}
-        return {key: need for key, need in needs.items() if key not in written} | one_time(written)
+        needs = {} if "N" in written else {"N": f"missing; write {KIND_OF['N'].asks}"}
+        return needs | one_time(written, lasts_itself=True)
 
 
 class History(NamedTuple):
@@ -87,14 +90,27 @@ def read_cell(cell: Mapping, device: Device | Mapping[str, Device]) -> History:
     return History(stem_of(*words), device, cell["N"], f0, cell["C"], changes)
 
 
-def read_cells(
-    sections: Sequence[CellSection], device: Device | Mapping[str, Device]
-) -> tuple[History, ...]:
-    """Take the cells of a config; raises ValueError, one line, for an invalid cell."""
+def _owned(study, cell):
+    """Add what the study alone says of a cell."""
+    damping, last = study.axes["C"].tolist(), study.shocks.first().pulse.duration
+    if "C" not in cell and len(damping) > 1:
+        raise ValueError(f".C: missing; write {KIND_OF['C'].asks}")
+    if faults := one_time(cell, lasts_itself=last is not None):
+        raise ValueError(f".f0: {faults['f0']}")
+    own = {} if "duration" in cell or last is None else {"f0": 1e6 / last}
+    return {"C": damping[0]} | own | cell
+
+
+def read_cells(sections: Sequence[CellSection], study: "Config") -> tuple[History, ...]:
+    """Take the cells of a config; raises ValueError, one line, for an invalid cell.
+
+    A cell without C, f0 and duration has those of the study, if it has a single C, and a shock with
+    its own duration.
+    """
     cells = {}
     for place, section in enumerate(sections):
         with at_key(place):
-            cell = read_cell(told(section), device)
+            cell = read_cell(_owned(study, told(section)), study.device)
             if cell.name in cells:
                 raise ValueError(f"{cell.name} is there already; leave it out")
         cells[cell.name] = cell

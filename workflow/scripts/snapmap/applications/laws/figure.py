@@ -43,7 +43,8 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     top.set_xlabel("")
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
-    style.legend(figure, [*curves.line_keys(laws, "C"), *keys], style.case(laws.attrs), 3)
+    words = "\n".join(filter(None, [scales.place_text(laws, style.PAGE), style.case(laws.attrs)]))
+    style.legend(figure, [*curves.line_keys(laws, "C"), *keys], words, 3)
 
 
 def _holding(law, thresholds):

@@ -85,6 +85,11 @@ def summary(laws: xr.Dataset) -> str:
     """Write the laws at the first C in a line."""
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
     numbers = (laws[key].item() for key in (*keys, "saddle_scale"))
-    N, dwell, v, delay = (plain(number) if np.isfinite(number) else "?" for number in numbers)
-    slow, short = f"a slow shock trips it above N = {N} for longer than {dwell} us", f"{v} m/s"
-    return f"{slow}, a short one by {short}; a factor e nearer a snap is {delay} us later"
+    N, dwell, v, delay = (plain(number) if np.isfinite(number) else "" for number in numbers)
+    lasts = f" for longer than {dwell} us" if dwell else ", how long is not known"
+    parts = [
+        f"a slow shock trips it above N = {N}{lasts}" if N else "no law of slow shocks holds",
+        f"a short one trips it by {v} m/s" if v else "no law of short shocks holds",
+        f"a factor e nearer a snap is {delay} us later" if delay else "",
+    ]
+    return "; ".join(filter(None, parts))

@@ -183,7 +183,7 @@ function ending(k) {
 function side(k) {
   const well = ["", "first", "second"][cells.well[k]];
   const share = cells.share[k] < study.whole ? `during ${Math.floor(100 * cells.share[k])} %` : "for the whole";
-  return [`on the ${well} side ${share}`, "of the mass's last swing"];
+  return [`on the ${well} side ${share}`, "of the last swing"];
 }
 
 function drawMap() {

@@ -2,17 +2,17 @@
 
 from collections.abc import Sequence
 
+from ...solver.adaptive import choose_model
 from ...solver.cost import steps_and_seconds
 from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.cost import survey_seconds
 from ...thresholds.surface import search_of
+from ..histories.history import RECORDED
 from .check import each_device
 
 RUNS = 42
 """Number of runs of a required shock to its end, near N."""
-PER_VERDICT = 0.3
-"""Core time of a verdict without these runs and its threshold, s: most of it takes the history."""
 
 
 def judged_seconds(
@@ -31,8 +31,10 @@ def judged_seconds(
             grid, settings = shaken.set_out({"C": C, "f0": [shock.f0]}), shaken.run
             search = search_of(shaken, grid)
             cells = search.rows.cells(grid.device, shock.N, settings.horizon)
-            to_end = settings.but(until="settled")
-            seconds += PER_VERDICT * search.rows.f0.size + survey_seconds(search)
-            decides = search.models.decides
-            seconds += RUNS * float(steps_and_seconds(decides, cells, to_end)[1].sum())
+            finest = choose_model(grid.device, shaken.model, settings.start).levels[-1]
+            history, runs = (
+                steps_and_seconds(built, cells, settings.but(until=until))[1].sum().item()
+                for built, until in ((finest, "moved"), (search.models.decides, "settled"))
+            )
+            seconds += survey_seconds(search) + RUNS * runs + RECORDED * history
     return seconds
