@@ -260,6 +260,23 @@ def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
         snapmap.plot_outcome(TINY.drop_vars("well"), axes(), ends=True)
 
 
+def test_a_plot_takes_only_the_thresholds_of_its_cells():
+    found, plot = make_found(), partial(snapmap.plot_outcome, TINY)
+    one = plot(axes(), thresholds=found.isel(C=[0]))
+    assert "threshold" in {line.get_label() for line in one.lines}
+    wrong = {
+        "has several C": found,
+        "C is 200.0, but 25.0 in the cube": found.isel(C=1),
+        "have no axis f0": found.isel(C=0, f0=0),
+    }
+    for words, thresholds in wrong.items():
+        with pytest.raises(ValueError, match=f"^thresholds: {words}"):
+            plot(axes(), thresholds=thresholds)
+    for cube in (TINY.isel(f0=[]), TINY.drop_vars("t_snap"), TINY.rename(f0="pace")):
+        with pytest.raises(ValueError, match=r"^(cube|x): "):
+            snapmap.plot_outcome(cube, axes(), x="pace" if "pace" in cube.dims else "f0")
+
+
 def test_cells_are_hatched_where_the_beam_breaks_where_no_device_is_and_what_ends_elsewhere():
     cells = make_cells(["22", "22", "00"])
     share = (cells.N / 1150 + 0 * cells.f0).transpose(*cells.outcome.dims)

@@ -9,7 +9,7 @@ from small_results import make_cells, make_found
 
 import snapmap
 from snapmap.applications.boundary.figure import draw_damage_boundary
-from snapmap.figures import scales, style, thresholds
+from snapmap.figures import maps, scales, style, thresholds
 
 CELLS = make_cells(
     ["2" * 12] * 5 + ["000022220000", "0" * 12, "000000000005"],
@@ -61,6 +61,19 @@ def test_a_figure_of_a_column_has_its_legend_beside_its_labels_and_nothing_cut_o
     assert ax.bbox.height > 0.15 * figure.bbox.height
     assert dict(plt.rcParams) == before
     assert ax.xaxis.label.get_family() == plt.rcParams["font.family"]
+
+
+@pytest.mark.parametrize("shows", ["snaps", "times"])
+def test_a_map_breaks_its_title_and_the_label_of_its_colours_in_a_column(shows):
+    cells = CELLS.assign_coords(thickness=1.9, residual_stress=-11.25)
+    figure, ax = plt.subplots(figsize=(3.4, 4))
+    maps.draw_map(ax, cells, shows=shows)
+    figure.draw_without_rendering()
+    texts = ax.title, *(each.xaxis.label for each in figure.axes)
+    assert len(texts) == 3 if shows == "times" else 2
+    for text in texts:
+        box = text.get_window_extent()
+        assert box.x0 >= -0.5 and box.x1 <= figure.bbox.x1 + 0.5
 
 
 def test_panels_of_a_figure_have_their_legends_below_them():

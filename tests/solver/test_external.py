@@ -87,6 +87,19 @@ def test_wide_islands_make_a_row_ragged_and_no_limit_is_sought(handout):
     assert "10.0% elsewhere" in edges.N_first.comment
 
 
+@pytest.mark.parametrize(("fails", "status"), [((600, 650), 1), ((860, 920), 3)])
+def test_where_runs_just_below_the_first_snap_fail_no_threshold_is_known(handout, fails, status):
+    """The exact one is 900, which a bar around 920 would not cover."""
+
+    def failing(cell, step):
+        return np.inf if fails[0] < N_of(cell) < fails[1] else solver(cell, step)
+
+    edges = flat.threshold(handout, [1500.0], [25.0], failing).squeeze()
+    assert edges.status == status and not edges.ragged
+    known = status == 1
+    assert (abs(edges.N_first - 900) <= edges.N_error) == np.isfinite(edges.N_always) == known
+
+
 @pytest.fixture(scope="module")
 def plain(handout):
     """The plain loop of the handout's device, as if it were a solver of one's own."""

@@ -376,7 +376,7 @@ def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
     assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text
 
 
-@pytest.mark.parametrize("answer", [True, False, -1.0, "snapped", 1j])
+@pytest.mark.parametrize("answer", [True, False, -1.0, np.nan, "snapped", 1j])
 def test_an_answer_of_a_solver_that_is_no_time_is_refused(handout, answer):
     line = r"^model\.laws: .*test_laws\.py, line \d+: <lambda> at N = 900, .*: returns .*;"
     with pytest.raises(ValueError, match=line):

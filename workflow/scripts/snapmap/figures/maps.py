@@ -18,7 +18,7 @@ from ..values.kinds import Fitting
 from ..values.quantities import Truth
 from . import plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
-from .scales import place_text, scale_of, tick
+from .scales import LABELS, place_text, scale_of, tick
 
 RATIO = 0.72
 """Height over width of the axes of a map."""
@@ -46,11 +46,12 @@ def draw_map(
     """
     look = _time_look([cells]) if shows == "times" else {}
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
-    ax.set_title(place_text(cells))
+    ax.set_title(place_text(cells, style.signs(ax, "axes.titlesize")))
     width = style.signs(ax.get_figure())
     words = [style.case(cells.attrs, width), _numbered(names, width)]
-    style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
+    style.engine_of(ax.get_figure())  # as for `plane.colour_bar`
     _add_time_bar(ax.get_figure(), ax, field, look)
+    style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
     return ax
 
 
@@ -80,11 +81,11 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _dataset(need, variable):
-    """Make the kind of a dataset that has a variable."""
+def _dataset(need, *variables):
+    """Make the kind of a dataset that has some variables."""
 
     def fit(value):
-        if not isinstance(value, xr.Dataset) or variable not in value:
+        if not isinstance(value, xr.Dataset) or not {*variables} <= {*value}:
             raise ValueError(f"{show(value)} is not {need}")
         return value
 
@@ -97,7 +98,8 @@ def _take_axes(value):
     return value
 
 
-Cube = TypeAliasType("Cube", _dataset("a cube, as sweep and open_cube return it", "outcome"))
+CELLS = "a cube, as sweep and open_cube return it"
+Cube = TypeAliasType("Cube", _dataset(CELLS, "outcome", "t_snap"))
 Thresholds = TypeAliasType(
     "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 )
@@ -149,16 +151,18 @@ def plot_outcome(
     '$C$ = 25'
     """
     cube = cube.assign(outcome=require_cube(cube))
-    for name, key in (("x", x), ("y", y)):
-        if not isinstance(key, str) or axis_behind(key) not in cube.outcome.dims:
-            raise ValueError(f"{name}: {show(key)} is not an axis of the cube")
     if axis_behind(x) == axis_behind(y):
         raise ValueError(f"x: {show(x)} is already y; write another axis of the cube")
-    many = [key for key in cube.outcome.dims if key not in (x, y) and cube.sizes[key] > 1]
-    if many:
-        raise ValueError(f"cube: has several {many[0]}; choose one, as cube.isel({many[0]}=0)")
-    cells = cube.squeeze([key for key in cube.outcome.dims if key not in (x, y)])
+    for name, key in (("x", x), ("y", y)):
+        if not isinstance(key, str) or key not in cube.outcome.dims or key not in LABELS:
+            raise ValueError(f"{name}: {show(key)} is not an axis of the cube")
+        if not cube.sizes[key]:
+            raise ValueError(f"cube: has no {key}; choose one or more")
+    cells = _alone(cube, "cube", cube.outcome.dims, (x, y))
     require_codes(cells.outcome.values)
+    if thresholds is not None and y == "N":
+        thresholds = _alone(thresholds, "thresholds", thresholds.N_first.dims, (x,))
+        _require_alike(thresholds, cells, x)
     if ends and "well" not in cells:
         raise ValueError(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
@@ -171,6 +175,25 @@ def plot_outcome(
     axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
     style.legend(axes, _keys([cells], [axes], shows))
     return axes
+
+
+def _alone(data, name, dims, axes):
+    """Leave out dimensions that have a single value; ValueError, one line, for several values."""
+    others = [key for key in dims if key not in axes]
+    if many := [key for key in others if data.sizes[key] != 1]:
+        raise ValueError(f"{name}: has several {many[0]}; choose one, as {name}.isel({many[0]}=0)")
+    return data.squeeze(others)
+
+
+def _require_alike(thresholds, cells, x):
+    """Raise ValueError, one line, if thresholds are not over x, or not those of the cells."""
+    if x not in thresholds.N_first.dims:
+        raise ValueError(f"thresholds: have no axis {x}; take those over {x}")
+    alone = [key for key in thresholds.coords if thresholds[key].ndim == 0]
+    for key in (key for key in alone if key in cells.coords and cells[key].ndim == 0):
+        here, there = thresholds[key].item(), cells[key].item()
+        if here != there:
+            raise ValueError(f"thresholds: {key} is {show(here)}, but {show(there)} in the cube")
 
 
 def draw_maps(

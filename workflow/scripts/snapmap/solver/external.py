@@ -149,7 +149,7 @@ def _time_of(answer: object) -> float:
     if answer is None:
         return np.nan
     numbers = int | float | np.integer | np.floating
-    if isinstance(answer, bool) or not isinstance(answer, numbers) or answer < 0:
+    if isinstance(answer, bool) or not isinstance(answer, numbers) or not answer >= 0:
         needs = "return the time of the snap (us), None for no snap, or inf for a run not to trust"
         raise ValueError(f"returns {show(answer)}; {needs}")
     return float(answer)

@@ -272,7 +272,7 @@ def _compiled(key, law):
 
     function, needs = getattr(law, "py_func", law), PARAMETERS[key]
     if not (callable(law) if key == "solver" else inspect.isfunction(function)):
-        raise ValueError(f"model.laws: {key}: is not a function")
+        raise ValueError(f"model.laws: {key}: is not a function; write a def or a lambda")
     with of_user(key):
         parameters = inspect.signature(function).parameters
     if len(parameters) != len(needs):

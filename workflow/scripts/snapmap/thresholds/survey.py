@@ -11,7 +11,7 @@ from .search import Search, find_changes, is_fast
 
 STATUS = "no_device", "found", "nothing_snaps", "not_followed"
 """Whether a row has a threshold, and if not, why: nothing snaps up to the highest N tried, or runs
-fail, as those of a pulse too short for any time step."""
+fail, as those of a pulse too short for any time step, or those just below the first snap."""
 NO_DEVICE, FOUND, NOTHING_SNAPS, NOT_FOLLOWED = range(len(STATUS))
 
 
@@ -103,8 +103,13 @@ def _search_once(search):
     N_first, N_always, islands = stretches(edges, changes.is_open)
     if search.highest is not None:
         N_always = np.where(N_always <= search.highest, N_always, np.nan)
-    clean_N, ragged_N = np.where([~changes.ragged, changes.ragged], N_first, np.nan)
-    t_snap = np.fmax(decides.at(clean_N), of_ragged.at(ragged_N))
+    first = edges.take(edges.rising & (edges.high == N_first[edges.row]))
+    below, scanned = outermost(first.row, first.low, N_first.size)[1], changes.ragged[:, np.newaxis]
+    clean_N, ragged_N = np.where([~scanned, scanned], np.column_stack([N_first, below]), np.nan)
+    t_snap, t_below = np.fmax(decides(clean_N), of_ragged(ragged_N)).T
+    known = np.where(np.isneginf(t_below), np.nan, 1.0)  # a failed run may hide the threshold
+    N_first, N_error, N_always, t_snap = known * np.array([N_first, N_error, N_always, t_snap])
+    islands *= known[:, np.newaxis]
     reason = np.where(changes.quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         status=np.where(np.isnan(N_first), reason, FOUND).astype(np.int8),
@@ -112,7 +117,7 @@ def _search_once(search):
         N_looked=changes.highest,
         N_first=N_first,
         N_error=N_error,
-        ragged=ragged.astype(np.int8),
+        ragged=(ragged & (known == 1)).astype(np.int8),
         N_always=N_always,
         t_snap=t_snap,
         level=np.zeros(N_first.size, np.int8),
