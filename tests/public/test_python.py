@@ -52,6 +52,8 @@ def test_a_device_of_several_values_is_told_what_it_lacks():
         for call in (snapmap.statics, snapmap.Study):
             with pytest.raises(ValueError, match=r"\A(study|device): .* is not a .*load_device"):
                 call(wrong)
+    with pytest.raises(ValueError, match="a Device is not a Device of single values"):
+        snapmap.Study(replace(DEVICE, mass=[1e4, 2e4]))
 
 
 def parameters_of(name):
