@@ -449,6 +449,7 @@ FAR = {
     **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
     **{"device__beam__residual_stress": "-1.1e7 MPa", "device__mass": "6e-6 kg"},
     **{"device__gap": "1e-6 um", "device__stop_away": "6 mm"},
+    **{"device__temperature": "3000 degC", "device__modulus_slope": "-60 /K"},
     "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],
     "requirements": [{"name": "drop", "N": 1e14, "f0": "1 kHz", "snaps": False}],
 }
@@ -460,6 +461,21 @@ def test_a_value_far_off_is_told_in_one_line(key, value):
     (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
     name = "N" if isinstance(value, list) else key.rpartition("__")[2]
     assert re.match(rf"{name} = \S+( \S+)? is outside the usual .* is its unit right\?$", line)
+
+
+def test_records_of_requirements_and_shots_are_doubted_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{t},{min(t * (8 - t), 9)}\n" for t in range(9))
+    Path("top.csv").write_text(f"time (ms),a (g)\n{rows}")
+    shots = "N,tripped,file\n500,no,top.csv\n990,yes,top.csv\n999,yes,top.csv\n"
+    Path("shots.csv").write_text(shots)
+    shock = {"name": "a", "file": "top.csv", "N": 1000, "snaps": True}
+    both = {"requirements": [shock, shock | {"name": "b"}]}
+    unknowns = {"thickness": ["1.9 um", "2.1 um"]}
+    fit = {"calibration": {"shots": "shots.csv", "unknowns": unknowns, "C": "25 uN*us/um"}}
+    for sections in (both, fit, both | fit):
+        (line,) = [x for x in doubts(load_config(changed(**sections))) if "flat" in x]
+        assert line == "top: is flat at its peak for 4 ms, as of a sensor beyond its range"
 
 
 def test_of_what_is_usual_nothing_is_told(monkeypatch):

@@ -52,6 +52,12 @@ def test_a_kernel_is_compiled_by_a_single_process_of_its_own_source(root, tmp_pa
     assert len({path.parent for path in tmp_path.rglob("*.nbi")}) == 2
 
 
+def test_a_numba_that_does_not_compile_is_told(monkeypatch):
+    monkeypatch.setattr("numba.core.config.DISABLE_JIT", 1)
+    with pytest.raises(ValueError, match=r"^NUMBA_DISABLE_JIT: is set, .*; unset it$"):
+        compiled(lambda x: x)
+
+
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     monkeypatch.setattr("numba.core.config.CACHE_DIR", str(tmp_path))

@@ -52,6 +52,8 @@ def test_a_device_of_several_values_is_told_what_it_lacks():
         for call in (snapmap.statics, snapmap.Study):
             with pytest.raises(ValueError, match=r"\A(study|device): .* is not a .*load_device"):
                 call(wrong)
+    with pytest.raises(ValueError, match="a Device is not a Device of single values"):
+        snapmap.Study(replace(DEVICE, mass=[1e4, 2e4]))
 
 
 def parameters_of(name):
@@ -309,6 +311,9 @@ def test_what_is_hardly_meant_is_told(handout):
         UserWarning, match=r"^N = 1000000000 is outside the usual 0 to 1000000; is its"
     ):
         snapmap.sweep(study, 1e9, 1500.0, 1.0)
+    flat = snapmap.sampled([0.0, 99.0, *range(300, 309), 400.0], [0.0, *[1.0] * 10, 0.0], "top")
+    with pytest.warns(UserWarning, match="^top: is flat at its peak for 0.21 ms"):
+        snapmap.sweep(snapmap.Study(handout, pulse=flat, **CHEAP), 100.0, None, 25.0)
 
 
 def test_more_cells_than_a_call_can_hold_are_refused(handout):

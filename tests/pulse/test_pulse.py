@@ -296,6 +296,8 @@ MISWRITTEN = {
     "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write decimals with a po",
     "Logger\ntime (ms),a (g)\n" + ROW + REST: "line 1: the header has 1 columns; write 2,",
     "time (ms),a (g) x1e3\n" + ROW + REST: r"'a \(g\) x1e3' does not end with a unit; write",
+    "time (ms),a x1000 (g)\n" + ROW + REST: r"'a x1000 \(g\)' has a factor; multiply",
+    "time * 10 (ms),a (g)\n" + ROW + REST: r"'time \* 10 \(ms\)' has a factor; multiply",
     "time (ms) /10;a [g]\n": r"'time \(ms\) /10' does not end with a unit; write",
 }
 

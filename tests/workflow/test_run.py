@@ -119,11 +119,16 @@ def test_snakemake_gets_snakefile_and_profile_of_the_clone_before_all_other_word
     assert clone.run("echo", "snakemake").stdout == "snakemake\n"
 
 
-def test_snapmap_is_the_command_of_the_clone(clone):
+def test_snapmap_is_the_command_of_the_clone(clone, tmp_path):
+    """It imports no module of the folder of a study."""
     command = clone.folder / "workflow/scripts/snapmap/workflow/command.py"
     command.parent.mkdir(parents=True)
-    command.write_text("import sys; print(sys.argv[1:])")
-    assert clone.run("snapmap", "check", "a  b.yaml").stdout == "['check', 'a  b.yaml']\n"
+    command.write_text("import json, sys; print(sys.argv[1:])")
+    (tmp_path / "study").mkdir()
+    for name in ("json.py", "snapmap.py"):
+        (tmp_path / "study" / name).write_text("raise RuntimeError")
+    done = clone.run("snapmap", "check", "a  b.yaml", cwd=tmp_path / "study")
+    assert done.stdout == "['check', 'a  b.yaml']\n"
 
 
 def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):

@@ -91,6 +91,8 @@ def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
     yield from unusual_runs(horizon=study.run.horizon, **({} if N is None else {"N": N}))
+    for pulse in study.shocks.shapes.values():
+        yield from (f"{pulse.name}: {note}" for note in pulse.notes)
     C, f0 = (values.get(key) for key in ("C", "f0"))
     for single in study.devices().values():
         alone = batch([single])

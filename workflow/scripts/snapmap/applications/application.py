@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from ..config.study import Config
     from ..device.device import Device
+    from ..pulse.pulse import Pulse
     from ..solver.cells import Cells, Observations
     from ..solver.models import Follows
     from ..solver.settings import Run
@@ -94,6 +95,10 @@ class Application:
 
     def doubts(self, study: Config) -> Sequence[str]:
         """Lines about values that are probably mistakes."""
+        return ()
+
+    def records(self, study: Config) -> Sequence[tuple[Pulse, float]]:
+        """Recorded shocks that its section names, each with an f0, Hz."""
         return ()
 
     def marks(self, study: Config) -> Sequence[Mark]:

@@ -67,12 +67,14 @@ def doubts(study: Config) -> list[str]:
         if "temperature" in axes and not any(slopes):
             remarks.append(f"temperature: {IDLE}")
         lines += [f"{name}: {line}" for line in remarks if line]
-    slowest, shortest = first.own_frequency, 1e6 / axes["f0"][-1]
-    for pulse in study.shocks.shapes.values():
-        lines += pulse.doubts(float(slowest), float(shortest), float(first.gravity))
+    shaking = [(pulse, axes["f0"][-1]) for pulse in study.shocks.shapes.values()]
+    shaking += [pair for part in attached().values() for pair in part.records(study)]
+    for pulse, f0 in shaking:
+        lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
-    return lines + [line for part in attached().values() for line in part.doubts(study)]
+    lines += [line for part in attached().values() for line in part.doubts(study)]
+    return list(dict.fromkeys(lines))  # a record may be that of several shocks
 
 
 def barely(device: Device) -> str:

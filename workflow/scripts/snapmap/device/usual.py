@@ -14,10 +14,12 @@ USUAL = {
     "mass": (1e-3, 1e6),
     "spring": (1e-4, 1e6),
     "contact": (1e-3, 1e8),
-    "gap": (1e-3, 1e3),
-    "stop_toward": (1e-3, 1e3),
-    "stop_away": (1e-3, 1e3),
-    "strength": (1.0, 1e5),
+    **dict.fromkeys(("gap", "stop_toward", "stop_away"), (1e-3, 1e3)),
+    **dict.fromkeys(("temperature", "reference_temperature"), (-273.0, 1000.0)),
+    "modulus_slope": (-0.01, 0.01),
+    "expansion_mismatch": (-1e-3, 1e-3),
+    "damper_exponent": (-10.0, 10.0),
+    **dict.fromkeys(("strength", "strength_threshold"), (1.0, 1e5)),
     "gravity": (1e-7, 1e-3),
 }
 """Ranges, in internal units, beyond which a value is probably a slip."""

@@ -28,6 +28,8 @@ ANSWERS = {
 }
 """Words and numbers that say whether a device tripped."""
 _UNIT = re.compile(r"[(\[]([^)\]]+)[)\]]$")
+_FACTOR = re.compile(r"[*×]|10\^|(?<!\w)(x ?\d[\d.eE^]|\d[\d.]*[eE][-+]?\d)")
+"""What tells in a head that its numbers are to be multiplied."""
 _LAST = re.compile(rb"[^\n]*\n\s*[-+.\d]")
 """A line before one that begins with a number."""
 
@@ -158,4 +160,6 @@ def _scale(word, key, numbers):
         raise ValueError(
             f"header {show(word)} {what}; write one such as {key} ({next(iter(units))})"
         )
+    if _FACTOR.search(_UNIT.sub("", word)):
+        raise ValueError(f"header {show(word)} has a factor; multiply the numbers by it")
     return units[unit]

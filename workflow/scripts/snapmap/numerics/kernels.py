@@ -76,6 +76,8 @@ def compiled(function: Callable) -> Callable:
     What speed needs is written out: fused multiply-adds, and sums in an order that vectorises over
     lanes. numba reads its cache folder here alone, so other packages keep theirs.
     """
+    if config.DISABLE_JIT:
+        raise ValueError("NUMBA_DISABLE_JIT: is set, but kernels need numba's compiler; unset it")
     chosen_by_user = config.CACHE_DIR
     cache_folder = chosen_by_user or AppDirs("snapmap", False).user_cache_dir
     sources = _hash(Path(function.__code__.co_filename).parent)

@@ -38,7 +38,7 @@ Series = TypeAliasType(
 Times = TypeAliasType(
     "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
 )
-LASTS, COLUMNS = Single("a duration", "us"), 6
+LASTS, COLUMNS = Single("a time", "us"), 6
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NEAR_G = 0.01

@@ -40,7 +40,7 @@ def _is_single(device):
 class DevicesKind(Kind):
     """A device, or several by name."""
 
-    need = "a Device, or several by name; load_device reads one"
+    need = "a Device of single values, or several by name; load_device reads one"
 
     def take(self, value: object) -> Device | Mapping[str, Device]:
         """Take a device, or a mapping of names to devices."""

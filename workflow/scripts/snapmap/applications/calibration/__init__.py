@@ -9,6 +9,7 @@ from ..application import Application, Figures, Files
 
 if TYPE_CHECKING:
     from ...config.study import Config
+    from ...pulse.pulse import Pulse
 
 
 class Calibration(Application):
@@ -32,6 +33,12 @@ class Calibration(Application):
     def files(self, study: Config) -> Mapping[str, str]:
         """The table of shots, and the recorded shocks that it names."""
         return study.requests["calibration"].files if study.requests["calibration"] else {}
+
+    def records(self, study: Config) -> list[tuple[Pulse, float]]:
+        """Recorded shocks among the shots."""
+        asked = study.requests["calibration"]
+        groups = asked.shots.groups if asked else ()
+        return [(group.pulse, group.f0) for group in groups if "file" in group.pulse.section]
 
     def refuse(self, study: Config) -> None:
         """Raise ValueError, one line, for shots that no device of the ranges can give."""

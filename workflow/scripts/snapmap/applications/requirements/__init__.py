@@ -9,6 +9,7 @@ from ..application import Application, Figures, Files, Mark
 
 if TYPE_CHECKING:
     from ...config.study import Config
+    from ...pulse.pulse import Pulse
     from .required import RequiredShock
 
 
@@ -60,6 +61,11 @@ class Requirements(Application):
         from ...config.plausible import unusual_runs
 
         return unusual_runs(N=[shock.N for shock in shocks_of(study)])
+
+    def records(self, study: Config) -> list[tuple[Pulse, float]]:
+        """Recorded shocks among the requirements."""
+        recorded = [shock for shock in shocks_of(study) if "file" in shock.pulse]
+        return [(shock.shocks.pulse, shock.f0) for shock in recorded]
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""
