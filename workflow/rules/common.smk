@@ -101,16 +101,6 @@ def figures(caption):
     return [path for stem in views.stems[caption] for path in files_of(stem, *about)]
 
 
-def drawing_arguments(name):
-    """Give the figures of an application, and the other arguments of its function by name."""
-    part = attached()[name]
-    files = part.drawn_from(study).items()
-    paths = {
-        f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
-    }
-    return drawing_of[name], paths | {"folder": part.saved_in}
-
-
 def is_drawn_with_the_study(name):
     """Tell whether all files behind an application's figures exist with cube and thresholds."""
     paths = {*listed(attached()[name].drawn_from(study))}

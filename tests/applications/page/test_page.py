@@ -57,14 +57,14 @@ def write_text(path, cube, **more):
 def page_file(cube, tmp_path_factory):
     """The page of the small cube, written by the rule's own function."""
     folder = tmp_path_factory.mktemp("a page")
-    paths = [folder / f"{name}.nc" for name in ("cube", "threshold")]
-    for dataset, path in zip((cube, edges_of(cube)), paths, strict=True):
+    files = {name: folder / f"{name}.nc" for name in ("cube", "threshold")}
+    for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
-    paths.append(folder / "requirements.csv")
-    paths[-1].write_text(VERDICTS)
+    files["requirements"] = folder / "requirements.csv"
+    files["requirements"].write_text(VERDICTS)
     drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
-    application.draw({"explore": drawing}, folder, *paths)
-    assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
+    application.draw({"explore": drawing}, folder, files)
+    assert sorted(folder.iterdir()) == sorted([*files.values(), folder / "explore.html"])
     return folder / "explore.html"
 
 

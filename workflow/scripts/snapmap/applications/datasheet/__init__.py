@@ -1,14 +1,9 @@
 """A study as a data sheet.  Imports: histories, requirements, statics."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import Application, Files
+from ..application import Application, Config, Files
 from ..requirements import plain_shocks, shocks_of
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 
 class Datasheet(Application):

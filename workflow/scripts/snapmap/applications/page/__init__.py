@@ -1,13 +1,6 @@
 """The page to explore a study in a browser.  Imports: requirements."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Page(Application):
@@ -36,14 +29,7 @@ class Page(Application):
         shown["written"] = study.written
         return {"explore": {"horizon": study.run.horizon, **shown}}
 
-    def draw(
-        self,
-        figures: Figures,
-        folder: str,
-        cube_path: str,
-        threshold_path: str,
-        requirements_path: str = "",
-    ) -> None:
+    def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
@@ -52,8 +38,8 @@ class Page(Application):
         from ..requirements.corners import read_verdicts
         from .figure import page  # brings Plotly
 
-        with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
-            verdicts = read_verdicts(requirements_path) if requirements_path else ()
+        verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
+        with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
             for name, arguments in figures.items():
                 with damper_in(unit_of_C(cube.attrs)):
                     text = page(cube, thresholds, **arguments, verdicts=verdicts)

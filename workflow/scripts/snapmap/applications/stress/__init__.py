@@ -1,13 +1,8 @@
 """The largest stress of each cell, where a beam may break.  Imports: core alone."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import HALF_OF_CORES, Application, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import HALF_OF_CORES, Application, Config, Files
 
 
 class Stress(Application):
