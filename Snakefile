@@ -84,9 +84,7 @@ try:
     if workflow.is_main_process:
         plan_with(study.files() | code)
     hold_to_plan(study.files())
-    alone = gather(lambda part: part.alone(study))
-    observing = [part.observing for part in attached().values()]
-    plan = make_plan(study.grid, study.model, study.run, alone, observing)
+    plan = make_plan(study)
     warnings = doubts(study)
     if workflow.is_main_process:
         refuse_all(study)

@@ -49,8 +49,16 @@ REQUIRED = [
 ]
 
 
+def shown_of(cube, **more):
+    """What the page shows beside a cube."""
+    config = json.loads(cube.attrs["config"])
+    written = config.get("devices") or {"device": config["device"]}
+    shown = {"written": written, "horizon": SETTINGS.horizon}
+    return shown | {"title": "", "pulse": {}, "required": ()} | more
+
+
 def write_text(path, cube, **more):
-    path.write_text(page(cube, edges_of(cube), SETTINGS.horizon, **more), encoding="utf-8")
+    path.write_text(page(cube, edges_of(cube), shown_of(cube, **more)), encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +70,7 @@ def page_file(cube, tmp_path_factory):
         write(dataset, path)
     files["requirements"] = folder / "requirements.csv"
     files["requirements"].write_text(VERDICTS)
-    drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
+    drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED)
     application.draw({"explore": drawing}, folder, files)
     assert sorted(folder.iterdir()) == sorted([*files.values(), folder / "explore.html"])
     return folder / "explore.html"

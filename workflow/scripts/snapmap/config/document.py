@@ -197,10 +197,5 @@ def _dampers(written, sweep, several):
     return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}
 
 
-def _document():
-    """Make the record of the whole config: sections of the core and of all applications."""
-    sections = gather(lambda application: application.section())
-    return row_of_kinds("Document", sections, Core)
-
-
-Document = _document()
+Document = row_of_kinds("Document", gather(lambda part: part.section()), Core)
+"""The whole config: sections of the core and of all applications."""

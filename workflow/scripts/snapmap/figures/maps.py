@@ -80,30 +80,26 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _dataset(need, variable):
-    """Make the kind of a dataset that has a variable."""
+def _object(made, need, fits):
+    """Make the kind of an object of a class that fits."""
 
-    def fit(value):
-        if not isinstance(value, xr.Dataset) or variable not in value:
+    def take(value):
+        if not fits(value):
             raise ValueError(f"{show(value)} is not {need}")
         return value
 
-    return Annotated[xr.Dataset, Fitting(need, fit)]
+    return Annotated[made, Fitting(need, take)]
 
 
-def _take_axes(value):
-    if not hasattr(value, "get_xlim"):
-        raise ValueError(f"{show(value)} is not Axes of matplotlib")
-    return value
+def _dataset(need, variable):
+    return _object(xr.Dataset, need, lambda x: isinstance(x, xr.Dataset) and variable in x)
 
 
 Cube = TypeAliasType("Cube", _dataset("a cube, as sweep and open_cube return it", "outcome"))
-Thresholds = TypeAliasType(
-    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-)
-MatplotlibAxes = TypeAliasType(
-    "MatplotlibAxes", Annotated[Axes, Fitting("Axes of matplotlib", _take_axes)]
-)
+OF_THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+Thresholds = TypeAliasType("Thresholds", OF_THRESHOLDS)
+OF_AXES = _object(Axes, "Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
+MatplotlibAxes = TypeAliasType("MatplotlibAxes", OF_AXES)
 
 
 def plot_outcome(

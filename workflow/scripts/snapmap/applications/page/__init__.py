@@ -25,9 +25,8 @@ class Page(Application):
             for shocks in marks
             for name, f0, N, pushed in shocks
         ]
-        shown = {"title": study.title, "pulse": study.shock, "required": required}
-        shown["written"] = study.written
-        return {"explore": {"horizon": study.run.horizon, **shown}}
+        shown = {"title": study.title, "pulse": study.shock, "written": study.written}
+        return {"explore": shown | {"horizon": study.run.horizon, "required": required}}
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""
@@ -40,9 +39,9 @@ class Page(Application):
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
         with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
-            for name, arguments in figures.items():
+            for name, shown in figures.items():
                 with damper_in(unit_of_C(cube.attrs)):
-                    text = page(cube, thresholds, **arguments, verdicts=verdicts)
+                    text = page(cube, thresholds, shown, verdicts)
                 write_text(text, f"{folder}/{name}.html")
 
 

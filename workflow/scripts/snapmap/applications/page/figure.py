@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -71,29 +72,25 @@ TITLE = "Which shock trips the sensor?"
 def page(
     cube: xr.Dataset,
     thresholds: xr.Dataset,
-    horizon: float,
-    title: str = "",
-    pulse: Mapping | None = None,
-    required: Sequence[tuple[str, float, float, Sequence[tuple[str, str]]]] = (),
+    shown: Mapping[str, Any],
     verdicts: Sequence[Mapping] = (),
-    written: Mapping[str, Mapping] | None = None,
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
     thresholds: they include the points of the cube
-    horizon: time followed after the pulse, us
-    title: of the study; pulse: its section, as in `Config`; None for the handout's
-    required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
+    shown: what the cube does not hold, as `Page.figures` gives it:
+        horizon: time followed after the pulse, us
+        written: sections of the devices by name, as the user has them
+        title: of the study; pulse: its section, as in `Config`; empty for the handout's
+        required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
-    written: sections of the devices by name, as the user has them; None for those of the cube
     """
     cells, document = thin(cube), config_of(cube.attrs)
     dims = cells.outcome.dims
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
     named = document.get("devices", {"": document.get("device", {})})
     devices = {html.escape(name): device for name, device in named.items()}
-    own = written or {name or "device": section for name, section in named.items()}
-    x, y = _plane(cells)
+    own, (x, y) = shown["written"], _plane(cells)
     has_laws = "laws" in document["model"]
     dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
     of_model = ("name", "laws") if has_laws else ("name",)
@@ -103,7 +100,7 @@ def page(
         "x": x,
         "y": y,
         "start": _opening(cells, x, y),
-        "horizon": float(horizon),
+        "horizon": float(shown["horizon"]),
         "shapes": STARTS if start == FIRST else STARTS[::-1],
         "devices": {html.escape(name): [*_rows(own[name or "device"])] for name in named},
         "vibrations": {
@@ -116,18 +113,18 @@ def page(
         "whole": WHOLE_SWING,
         "required": [
             (html.escape(name), *place, html.escape(_worst(name, verdicts)))
-            for name, *place in required
+            for name, *place in shown["required"]
         ],
         "unfollowed": OF_LAWS if has_laws else TOO_LONG,
         "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
-        **_simulation(cells, {name: read_device(device) for name, device in named.items()}, pulse),
+        **_simulation(cells, named, shown["pulse"]),
     }
     sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
     kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
     thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
     return Template(_text("explore.html")).substitute(
         plotly=get_plotlyjs(),
-        title=html.escape(title or TITLE),
+        title=html.escape(shown["title"] or TITLE),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
         drawn=" ".join([kind, *_lacking(devices, dims, document)]),
@@ -152,11 +149,12 @@ def _worst(name, verdicts):
     return f"{row['verdict']}: {end_text(row)}, at worst ({where})"
 
 
-def _simulation(cells, devices, pulse):
-    """Data with which the page follows shocks; devices: by name, "" for a single one."""
+def _simulation(cells, sections, pulse):
+    """Data with which the page follows shocks; sections: of devices, "" for a single one."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
+    devices = {name: read_device(section) for name, section in sections.items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
     document = config_of(cells.attrs)

@@ -11,19 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 
-from ...figures import style
+from ...figures import scales, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
-from ...figures.scales import (
-    WORDS,
-    axis_label,
-    leave_space,
-    place_text,
-    scale_of,
-    set_scale,
-    study_axis,
-    tick,
-    value_text,
-)
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
@@ -100,9 +89,9 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    ax.set_title(place_text(data))
+    ax.set_title(scales.place_text(data))
     style.note_missing(ax, data.probability, "no share of devices is known")
-    f0, N = scale_of("f0", data.f0.values), scale_of("N", data.N.values)
+    f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
     if f0.values.size == 1:
         shares = data.squeeze("f0")
         bounds = shares.probability_bound.transpose("bound", "N").values
@@ -112,12 +101,12 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         if "latched" in data:
             look = {"color": LATCHED, "label": "share that stays snapped"}
             ax.plot(N.values, shares.latched.values, **look)
-        ax.set(xlabel=axis_label("N", data.attrs), ylabel="share of devices that snap")
+        ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
-    study_axis(ax, f0)
-    set_scale(ax, "y", N, data.attrs)
-    leave_space(ax, "x", f0)
+    scales.study_axis(ax, f0)
+    scales.set_scale(ax, "y", N, data.attrs)
+    scales.leave_space(ax, "x", f0)
     ax.pcolormesh(f0.edges, N.edges, data.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = data.N_quantile.sel(quantile=share).values
@@ -134,10 +123,10 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
 def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the Sobol indices of each value over f0, with their bounds; data: of one C."""
-    ax.set_title(place_text(data))
-    f0 = scale_of("f0", data.f0.values)
-    study_axis(ax, f0)
-    leave_space(ax, "x", f0)
+    ax.set_title(scales.place_text(data))
+    f0 = scales.scale_of("f0", data.f0.values)
+    scales.study_axis(ax, f0)
+    scales.leave_space(ax, "x", f0)
     for i, value in enumerate(data.value.values.tolist()):
         index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
@@ -157,7 +146,7 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
 def words_of(value: str) -> str:
     """Write the values that a draw changes: `thickness and depth`."""
     of_shock = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
-    return " and ".join(of_shock.get(key) or WORDS[key] for key in value.split("+"))
+    return " and ".join(of_shock.get(key) or scales.WORDS[key] for key in value.split("+"))
 
 
 def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
@@ -178,7 +167,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ends = np.array([*known, N])
     room = ROOM * np.ptp(ends) or ROOM * N
     low, high = max(ends.min() - room, 0), ends.max() + room
-    where = [place_text(data)]
+    where = [scales.place_text(data)]
     if must != SNAPS[ANY]:
         where.append(f"met by {percents(data.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
@@ -190,7 +179,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     label = f"threshold $N$ ({style.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
-    tick(ax.xaxis, low, high, is_log=False)
+    scales.tick(ax.xaxis, low, high, is_log=False)
     return ax
 
 
@@ -219,7 +208,9 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
         y = rows + 0.7 * ((i + 0.5) / data.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": ""}
-        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", line.C.item()), **look)
+        ax.errorbar(
+            shares[:, i], y, xerr=error, label=scales.value_text("C", line.C.item()), **look
+        )
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
             place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}

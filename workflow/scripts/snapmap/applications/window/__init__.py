@@ -64,7 +64,7 @@ class Window(Application):
         """Draw where all required shocks are met."""
         from .figure import draw_window
 
-        draw_window(figure, data, *axes, units=axes)
+        draw_window(figure, data, axes)
 
 
 application = Window()
