@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from snapmap import load_device
 from snapmap.beam.basis import PLACES, Basis
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier, saddle_and_second
@@ -26,7 +25,7 @@ from snapmap.solver.settings import Run
 from snapmap.solver.steps import steps_of
 from snapmap.thresholds.probe import Probe, lowest_snap
 
-from .common import ROOT, few
+from .common import command_device, few
 from .tables import Table, write
 
 ANCHORS = {"a rigid root": 16, "linear stress": 18, "3 times as soft": 54, "10 times": 180}
@@ -41,7 +40,7 @@ beam; time followed after the pulse, us."""
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     write("clamps", turning_clamps(device))
 
 
@@ -220,7 +219,3 @@ def thresholds(device: Device, basis: Basis, f0: list[float]) -> np.ndarray:
     model = Model("elements", device, basis, modal, barrier, steps_of(device, modal))
     probe = Probe(model.with_step(STEP), to_rows(0, f0, C), Run(HORIZON))
     return lowest_snap(probe, (300.0, 3000.0), TOLERANCE)
-
-
-if __name__ == "__main__":
-    main()

@@ -165,7 +165,3 @@ def summary(runs, slow: int):
         str(slow),
         str(sum(run.result is None for run, _ in runs)),
     ]
-
-
-if __name__ == "__main__":
-    main()

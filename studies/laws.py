@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from snapmap import load_device, threshold
+from snapmap import threshold
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device, batch
 from snapmap.files.text import plain
@@ -19,7 +19,7 @@ from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.slow import growth_rate, slow_factor
 
-from .common import ROOT, few, number
+from .common import command_device, few, number
 from .random_devices import even
 from .tables import Table, write
 
@@ -48,7 +48,7 @@ def main():
 
 def limits():
     """Yield how far both laws hold for the handout's device, a row for each C."""
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     for damping in few(C):
         edges = threshold(device, few(F0, 40), [damping]).squeeze("C")
         short = 1e-6 * edges.f0 * edges.velocity_change / (edges.area * device.gravity)
@@ -101,7 +101,3 @@ def _row(devices, ratio, reach):
     middle = number(np.median(excess[known]))
     off = (f"{value:.1e}" for value in np.percentile(error[known], [50, 90, 100]))
     return [f"{ratio:g}", f"{known.sum()} of {N.size}", middle, *off, *shares]
-
-
-if __name__ == "__main__":
-    main()

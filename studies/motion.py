@@ -146,7 +146,3 @@ def judged(draw, modes):
     bars, snaps = errors_of(model, cells, settings), np.isfinite(own.t_snap)
     work, snap = (compare(own, finer) for compare in (work_error, t_snap_error))
     return np.array([work, bars["work_error"], snap, bars["t_snap_error"], snaps])
-
-
-if __name__ == "__main__":
-    main()

@@ -15,7 +15,7 @@ import numpy as np
 
 from snapmap.files.text import DASH
 
-from ..common import command_device, few, rate, take_turns
+from ..common import command_device, few, number, take_turns
 from ..tables import Table, write
 from . import solvers
 from .problems import BALL, RIGID, make_ball, make_bilinear, make_oscillator, make_valve
@@ -110,7 +110,7 @@ def _columns(best, count):
     if best is None:
         return [DASH, DASH]
     setting, run = best
-    return [rate(count, run.seconds), ", ".join(f"{v:g}" for v in setting if v < np.inf)]
+    return [number(count / run.seconds), ", ".join(f"{v:g}" for v in setting if v < np.inf)]
 
 
 def answers(problem) -> list[list[str]]:
@@ -124,7 +124,3 @@ def answers(problem) -> list[list[str]]:
         ]
         for i in (0, -1)
     ]
-
-
-if __name__ == "__main__":
-    main()
