@@ -154,7 +154,7 @@ def test_a_figure_is_drawn_without_its_data_and_says_what_is_missing(made, monke
     data, saved = LOSSES[loss](made[kind]), []
     monkeypatch.setattr(style, "save", lambda figure, *_: saved.append(figure))
     if kind == "tolerances":  # its figures save themselves
-        draw_stem(name, data, data.attrs)
+        draw_stem(name, data)
     else:
         with style.saved(name, data.attrs, 3.4) as figure:
             draw(data, figure)

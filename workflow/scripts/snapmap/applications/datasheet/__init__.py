@@ -37,17 +37,8 @@ class Datasheet(Application):
 
         verdicts = read_verdicts(requirements_path)
         with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
-            sheet = datasheet(
-                study.of_thresholds(),
-                verdicts,
-                study.written,
-                shocks_of(study),
-                made=batches,
-                title=study.title,
-                damper=study.units.get("C", (study.unit_of_C, 1.0)),
-                source=study.source,
-            )
-            write_text(sheet, path)
+            what = study.of_thresholds(), verdicts, study.source, shocks_of(study), batches
+            write_text(datasheet(*what, study.units.get("C", (study.unit_of_C, 1.0))), path)
 
 
 application = Datasheet()

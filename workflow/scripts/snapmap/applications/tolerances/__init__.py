@@ -91,7 +91,7 @@ class Tolerances(Application):
 
         with open_whole(files["tolerance"]) as dataset:
             for stem, where in figures.items():
-                draw_stem(f"{folder}/{stem}", dataset.isel(where["at"]), dataset.attrs)
+                draw_stem(f"{folder}/{stem}", dataset.isel(where["at"]))
 
 
 application = Tolerances()

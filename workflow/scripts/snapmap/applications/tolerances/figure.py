@@ -1,7 +1,7 @@
 """Figures of devices as made: probability of a snap, sensitivity of thresholds, and yield."""
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -42,13 +42,13 @@ ROW, FLAT = 2.6, 1.7
 """Height of a row of panels, and of histograms, in."""
 
 
-def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> None:
+def draw_stem(stem: str, data: xr.Dataset) -> None:
     """Draw and save probability, sensitivity or yield; the name of the file begins with it."""
     name = Path(stem).name
     if not name.startswith("yield"):
         draw = draw_probability if name.startswith("probability") else draw_sensitivity
         panels = [data.isel(C=i) for i in evenly(data.C.size, MOST)]
-        _draw_panels(stem, panels, draw, attributes)
+        _draw_panels(stem, panels, draw)
         return
     data = data.isel(C=evenly(data.C.size, DAMPINGS))
     panels = [
@@ -56,10 +56,10 @@ def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> Non
         for i in evenly(data.requirement.size, MOST)
         for j in evenly(data.C.size, MOST // min(MOST, data.requirement.size))
     ]
-    _draw_panels(stem, panels, draw_requirement, attributes, data)
+    _draw_panels(stem, panels, draw_requirement, data)
 
 
-def _draw_panels(stem, panels, draw, attributes, shares=None):
+def _draw_panels(stem, panels, draw, shares=None):
     """Draw panels, above them the yield if `shares` is not None, and their legend; save them."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
@@ -68,7 +68,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
     if shares is not None:
         rows_above = len(list(each_share(shares))) * shares.C.size
         heights.insert(0, 0.5 + 0.17 * rows_above)
-    with style.saved(stem, attributes, 0.9 + sum(heights)) as figure:
+    with style.saved(stem, panels[0].attrs, 0.9 + sum(heights)) as figure:
         *above, lower = figure.subfigures(len(heights), height_ratios=heights, squeeze=False).flat
         axes = lower.subplots(rows, columns, squeeze=False).flat
         for ax, panel in zip(axes, panels, strict=False):
@@ -80,8 +80,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
         fields = [field for ax in lower.axes for field in ax.findobj(QuadMesh)]
         if fields:
             lower.colorbar(fields[0], ax=lower.axes, aspect=30, label="share of devices that snap")
-        words = batch_text(panels[0], attributes)
-        style.legend(figure, style.labelled(figure.axes), words)
+        style.legend(figure, style.labelled(figure.axes), batch_text(panels[0]))
 
 
 def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
@@ -149,11 +148,11 @@ def words_of(value: str) -> str:
     return " and ".join(of_shock.get(key) or scales.WORDS[key] for key in value.split("+"))
 
 
-def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
+def batch_text(data: xr.Dataset) -> str:
     """Write the number of devices and the model."""
     missing = int((data.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
-    return f"{data.bistable.size} devices{lost}; {style.case(attributes)}"
+    return f"{data.bistable.size} devices{lost}; {style.case(data.attrs)}"
 
 
 def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
