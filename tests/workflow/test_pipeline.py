@@ -133,7 +133,7 @@ def test_the_workflow_is_formatted(clone):
 def test_maps_are_panels_of_one_figure_each_and_single_on_request():
     def panels(**requested):
         figures = choose_views(load_config(yaml.safe_load(TINY) | requested)).maps
-        return {figure.name: [view["at"] for view in figure.panels] for figure in figures}
+        return {each["name"]: [view["at"] for view in each["panels"]] for each in figures}
 
     names = "snap_maps", "time_maps", "maps"
     assert [*panels().items()] == [(name, [{"C": 0}, {"C": 1}]) for name in names]

@@ -25,13 +25,7 @@ rule draw_study:
         mem_mb=memory(2000),
     params:
         document=constant(study.document()),
-        views=constant(
-            {
-                kind: [view._asdict() for view in figures]
-                for kind, figures in views._asdict().items()
-            }
-            | {"own_points": list(study.own_points)}
-        ),
+        views=constant(views._asdict()),
         applications=constant(
             {
                 name: (
