@@ -61,12 +61,8 @@ def changed(device: Device, b: float) -> list[float]:
     """Find buckling load, frequency, static threshold exactly and by elements, and thresholds."""
     basis = turning_elements(ELEMENTS, b)
     static = (static_threshold(device, response) for response in (exact(b), of_elements(basis)))
-    return [
-        buckling_root(b) ** 2,
-        vibration_root(b) ** 2,
-        *static,
-        *thresholds(device, basis, few(F0)),
-    ]
+    exactly = buckling_root(b) ** 2, vibration_root(b) ** 2
+    return [*exactly, *static, *thresholds(device, basis, few(F0))]
 
 
 def compliance(beam: Beam, s: float) -> float:
@@ -145,15 +141,13 @@ def static_threshold(device: Device, response: Callable[[float], Response]) -> f
 
     On the path from rest the axial force grows up to it.
     """
+
+    def less(N):
+        return -balance(device, N, response(N))
+
     forces = np.linspace(0, 2 * (4 * np.pi) ** 2, 2 * POINTS + 1)[1::2]
-    loads = np.array([balance(device, N, response(N)) for N in forces])
-    top = np.argmax(~(np.diff(loads) > 0))
-    best = minimize_scalar(
-        lambda N: -balance(device, N, response(N)),
-        bounds=forces[[top - 1, top + 1]],
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
+    top = np.argmax(~(np.diff([less(N) for N in forces]) < 0))
+    best = minimize_scalar(less, bounds=forces[[top - 1, top + 1]], options={"xatol": 1e-9})
     unit = device.beam.stiffness_unit * device.beam.rise
     return -best.fun * unit / (device.mass * device.gravity)
 

@@ -66,23 +66,12 @@ def _reach(ratio, within):
 
 def draw_device(draw: np.random.Generator) -> Device:
     """Draw a device within the assumptions of the law."""
-    thickness = even(draw, 0.5, 5.0)
-    beam = Beam(
-        span=300 * thickness,
-        rise=draw.uniform(3.0, 8.0) * thickness,
-        thickness=thickness,
-        depth=20.0,
-        youngs_modulus=1.5e5,
-        density=2.33e-3,
-    )
+    t, Q = even(draw, 0.5, 5.0), draw.uniform(3.0, 8.0)
+    beam = Beam(300 * t, Q * t, t, depth=20.0, youngs_modulus=1.5e5, density=2.33e-3)
     falls = 64 * math.pi**2 * beam.stiffness_unit
-    return Device(
-        beam,
-        mass=beam.weight * even(draw, 30.0, 3000.0),
-        spring=falls * draw.uniform(0.1, 0.8),
-        contact=falls * even(draw, 5.0, 1000.0),
-        gravity=9.81e-6,
-    )
+    mass, spring = beam.weight * even(draw, 30.0, 3000.0), falls * draw.uniform(0.1, 0.8)
+    contact = falls * even(draw, 5.0, 1000.0)
+    return Device(beam, mass=mass, spring=spring, contact=contact, gravity=9.81e-6)
 
 
 def _row(devices, ratio, reach):
