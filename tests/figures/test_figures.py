@@ -71,7 +71,7 @@ def test_space_for_markers_is_a_little_of_an_axis_beyond_its_data():
     for key, values in (("temperature", [-40.0, 21.5, 125.0]), ("f0", [100.0, 400.0, 6400.0])):
         ax, scale = style.single_column(height=3).subplots(), scales.scale_of(key, np.array(values))
         scales.set_scale(ax, "x", scale)
-        scales.leave_space(ax, "x", scale)
+        scales.leave_space(ax, scale)
         at = ax.transAxes.inverted().transform
         ends = at(ax.transData.transform([[values[0], 0.5], [values[-1], 0.5]]))[:, 0]
         assert (0 < ends[0] < 0.04) and (0.96 < ends[1] < 1)

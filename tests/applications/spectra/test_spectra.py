@@ -53,7 +53,7 @@ def test_the_spectrum_of_a_half_sine_is_that_of_another_method():
 
 
 def test_a_record_meets_its_spectrum_as_another_method_sees_it():
-    f = frequencies(100.0, 4000.0)
+    f = frequencies(CRASH)
     assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
     drawn = record(check_points(CRASH), [1, 0])
     spectrum = spectrum_by_states(*samples(drawn), f)
@@ -67,7 +67,7 @@ NOTCH = [(150.0, 80.0), (600.0, 900.0), (840.0, 180.0), (1200.0, 900.0), (4000.0
 
 
 def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
-    f, duration = frequencies(150.0, 4000.0), []
+    f, duration = frequencies(NOTCH), []
     for number in range(3):
         drawn = record(check_points(NOTCH), [7, number])
         spectrum = spectrum_by_states(*samples(drawn), f)

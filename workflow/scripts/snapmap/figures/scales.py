@@ -121,12 +121,12 @@ def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] 
         tick(axis, ends[0], ends[-1], scale.is_log)
 
 
-def leave_space(ax: Axes, which: str, scale: Scale) -> None:
-    """Leave some space for markers at both ends of an axis, "x" or "y", that has several values."""
+def leave_space(ax: Axes, scale: Scale) -> None:
+    """Leave some space for markers at both ends of a horizontal axis that has several values."""
     if scale.places.size > 1 and not scale.is_counted:
         low, high = np.log(scale.places[[0, -1]]) if scale.is_log else scale.places[[0, -1]]
         ends = np.array([low, high]) + SPACE * (high - low) * np.array([-1, 1])
-        ax.set(**{f"{which}lim": np.exp(ends) if scale.is_log else ends})
+        ax.set_xlim(np.exp(ends) if scale.is_log else ends)
 
 
 def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:

@@ -30,7 +30,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     """
     surface = curves.some_lines(surface, x, lines)
     scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
-    scales.leave_space(ax, "x", scale)
+    scales.leave_space(ax, scale)
     _set_ends(ax, surface)
     # The limit of long pulses is no bound if a mass has a run-up, or if there is no such limit.
     if (surface.N_first.notnull() & ~(surface.N_first >= surface.N_static)).any():

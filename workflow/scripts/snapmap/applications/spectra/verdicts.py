@@ -17,10 +17,7 @@ from .vibration import RECORDS, SEED, vibration_of
 
 
 def check_vibration(
-    study: Study,
-    required: RequiredVibration,
-    C: Sequence[float],
-    temperatures: Sequence[float] = (),
+    study: Study, required: RequiredVibration, C: Sequence[float], temperatures: Sequence[float]
 ) -> list[Verdict]:
     """Find the level of a vibration at which a trip is as probable as it allows.
 

@@ -105,7 +105,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         return ax
     scales.study_axis(ax, f0)
     scales.set_scale(ax, "y", N, data.attrs)
-    scales.leave_space(ax, "x", f0)
+    scales.leave_space(ax, f0)
     ax.pcolormesh(f0.edges, N.edges, data.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = data.N_quantile.sel(quantile=share).values
@@ -125,7 +125,7 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
     ax.set_title(scales.place_text(data))
     f0 = scales.scale_of("f0", data.f0.values)
     scales.study_axis(ax, f0)
-    scales.leave_space(ax, "x", f0)
+    scales.leave_space(ax, f0)
     for i, value in enumerate(data.value.values.tolist()):
         index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
