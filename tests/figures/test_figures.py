@@ -25,7 +25,7 @@ from small_results import (
 )
 
 from snapmap.applications.boundary import figure as boundary
-from snapmap.figures import curves, maps, scales, style, thresholds
+from snapmap.figures import captions, curves, maps, scales, style, thresholds
 
 pytestmark = pytest.mark.usefixtures("paper")
 
@@ -205,14 +205,14 @@ def test_figures_of_a_pushed_beam_count_its_force():
     device = {"beam": {}, "mass": "none", "force": "2.0 uN"}
     pushed = {"config": json.dumps(CONFIG | {"device": device})}
     two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
-    assert style.multiples(two) == "multiples of each force"
+    assert captions.multiples(two) == "multiples of each force"
     for gravity, unit in (
         ("9.81e-06", "$g$"),
         ("1e-06", "1\u00a0m/s²"),
         ("1.62e-06", "1.62\u00a0m/s²"),
     ):
         shaken = json.dumps({"device": {"beam": {}, "gravity": f"{gravity} um/us^2"}})
-        assert style.multiples({"config": shaken}) == f"multiples of {unit}"
+        assert captions.multiples({"config": shaken}) == f"multiples of {unit}"
     results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)
     ax = drawn(thresholds.draw_thresholds, results)
     assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"

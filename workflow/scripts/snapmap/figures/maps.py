@@ -16,7 +16,7 @@ from ..study.axes import axis_behind
 from ..sweeps.cube import require_codes, require_cube
 from ..values.kinds import Fitting
 from ..values.quantities import Truth
-from . import plane, states, style
+from . import captions, plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import place_text, scale_of, tick
 
@@ -48,7 +48,7 @@ def draw_map(
     field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
     ax.set_title(place_text(cells))
     width = style.signs(ax.get_figure())
-    words = [style.case(cells.attrs, width), _numbered(names, width)]
+    words = [captions.case(cells.attrs, width), _numbered(names, width)]
     style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
     _add_time_bar(ax.get_figure(), ax, field, look)
     return ax
@@ -207,8 +207,8 @@ def draw_maps(
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
             _remove_durations(ax)
-    words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
-    words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
+    words = place_text(first.drop_vars({*first.coords} - {*shared}), captions.PAGE)
+    words = [words, captions.case(first.attrs), _numbered(names, captions.PAGE)]
     drawn = axes.flat[: len(panels)]
     keys = _keys(cells, drawn, shows)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
@@ -278,7 +278,7 @@ def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snap
 
 def _numbered(names, width):
     """Write the numbers of shocks with their names, in lines of so many signs."""
-    return style.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
+    return captions.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
 def _keys(panels, axes, shows):

@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..files.text import plain
 from ..study.axes import DURATION, KIND_OF
 from ..values.units import spelling
-from . import style
+from . import captions
 
 NONE = MappingProxyType({})
 """The attributes of a dataset without any."""
@@ -165,7 +165,7 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     attributes: attributes of the dataset, whose config says what N counts
     unit: spelling of the unit in a config; by default the internal unit
     """
-    own = style.multiples(attributes) if key == "N" else unit_of(key)
+    own = captions.multiples(attributes) if key == "N" else unit_of(key)
     unit = spelling(unit).figures or own
     label = LABELS[key]
     return f"{label} ({unit})" if unit else label
@@ -209,7 +209,7 @@ def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
 def place_text(data: xr.Dataset, width: int = 50) -> str:
     """Typeset the place of a dataset on axes of a single value, in lines of `width` signs."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
-    return style.fill((value_text(key, data[key].item()) for key in alone), width)
+    return captions.fill((value_text(key, data[key].item()) for key in alone), width)
 
 
 def number(value: float | str, digits: int = 4) -> str:

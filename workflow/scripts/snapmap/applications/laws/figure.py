@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...figures import curves, scales, style
+from ...figures import captions, curves, scales, style
 from ...figures.thresholds import NONE_KNOWN
 from ...thresholds.slow import HOLDS
 
@@ -43,7 +43,7 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     top.set_xlabel("")
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
-    style.legend(figure, [*curves.line_keys(laws, "C"), *keys], style.case(laws.attrs), 3)
+    style.legend(figure, [*curves.line_keys(laws, "C"), *keys], captions.case(laws.attrs), 3)
 
 
 def _holding(law, thresholds):

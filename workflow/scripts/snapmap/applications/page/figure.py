@@ -20,7 +20,7 @@ from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
 from ...device.device import STOPS, VALUES
-from ...figures import scales, states, style
+from ...figures import captions, scales, states
 from ...files.text import leaves
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
@@ -94,7 +94,7 @@ def page(
     has_laws = "laws" in document["model"]
     dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
     of_model = ("name", "laws") if has_laws else ("name",)
-    kind, start = _kind_of(devices), SECOND if style.starts(document) else FIRST
+    kind, start = _kind_of(devices), SECOND if captions.starts(document) else FIRST
     data = {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
@@ -134,7 +134,7 @@ def page(
         thinned=f"Shown are {thinned} of the cube. " if kept else "",
         unfollowed=" hidden" if has_laws else "",
         model=html.escape(" with ".join(str(document["model"][key]) for key in of_model)),
-        guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
+        guide=", ".join([*(captions.guides(document) or [MIXED]), *captions.starts(document)]),
         version=html.escape(cube.attrs["code_version"]),
     )
 
@@ -158,7 +158,7 @@ def _simulation(cells, sections, pulse):
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
     document = config_of(cells.attrs)
-    grid, start = study.set_out(axes), style.starts(document)
+    grid, start = study.set_out(axes), captions.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     for pulse in known:
         pieces = None if "laws" in document["model"] else pulse["pieces"]
@@ -237,7 +237,7 @@ def _lacking(devices, dims, document):
     named = {*dims}.union(*devices.values())
     parts = {"stops": {*STOPS}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
-    return [*lacking, "second"] if style.starts(document) else lacking
+    return [*lacking, "second"] if captions.starts(document) else lacking
 
 
 def _rows(section):

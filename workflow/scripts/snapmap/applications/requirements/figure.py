@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ...figures import style
+from ...figures import captions, style
 from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
 from ...study.study import ARRIVES
@@ -85,4 +85,4 @@ def _name(row):
 
 def required_text(name: str, must_snap: bool | str) -> str:
     """Write a requirement's name and what the device must do, for a figure."""
-    return must_text(style.literal(name), must_snap)
+    return must_text(captions.literal(name), must_snap)

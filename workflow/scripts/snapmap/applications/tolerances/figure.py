@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 
-from ...figures import scales, style
+from ...figures import captions, scales, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
@@ -152,7 +152,7 @@ def batch_text(data: xr.Dataset) -> str:
     """Write the number of devices and the model."""
     missing = int((data.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
-    return f"{data.bistable.size} devices{lost}; {style.case(data.attrs)}"
+    return f"{data.bistable.size} devices{lost}; {captions.case(data.attrs)}"
 
 
 def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
@@ -175,7 +175,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
     ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
-    label = f"threshold $N$ ({style.multiples(data.attrs)})"
+    label = f"threshold $N$ ({captions.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
     scales.tick(ax.xaxis, low, high, is_log=False)
@@ -222,7 +222,7 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     room = ROOM * (1 - least) or ROOM
     ax.set(xlim=(least - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
     style.note_missing(ax, shares, "no share of devices is known")
-    ax.set_xlabel(textwrap.fill(label, style.PAGE))
-    ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
+    ax.set_xlabel(textwrap.fill(label, captions.PAGE))
+    ax.set_yticks(rows, [textwrap.fill(captions.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
-from ...figures import plane, scales, style
+from ...figures import captions, plane, scales, style
 from ...figures.curves import LOOKS
 from ...numerics.statistics import percents
 from ...study.axes import Units
@@ -132,6 +132,6 @@ def _about(data, reserve):
     everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
     for word, which in everywhere.items():
         if names := ", ".join(data.requirement.values[which]):
-            words.append(style.literal(f"{word} everywhere: {names}"))
+            words.append(captions.literal(f"{word} everywhere: {names}"))
     words.append(f"ticks: where a requirement fails; {sure}")
-    return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)
+    return "\n".join(textwrap.fill(line, captions.PAGE) for line in words if line)
