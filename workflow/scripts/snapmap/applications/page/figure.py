@@ -86,25 +86,55 @@ def page(
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
     """
     cells, document = thin(cube), config_of(cube.attrs)
-    dims = cells.outcome.dims
+    dims, devices = cells.outcome.dims, _devices(document)
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
-    named = document.get("devices", {"": document.get("device", {})})
-    devices = {html.escape(name): device for name, device in named.items()}
-    own, (x, y) = shown["written"], _plane(cells)
+    data = _data(cells, thresholds, document, shown, verdicts)
+    sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
+    kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
+    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
+    model, kind = document["model"], _kind_of(devices)
+    return Template(_text("explore.html")).substitute(
+        plotly=get_plotlyjs(),
+        title=html.escape(shown["title"] or TITLE),
+        ends=", or where it ends" if "well" in cells else "",
+        drawing=_text("device.svg"),
+        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
+        struck=STRUCK[kind],
+        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
+        code="\n".join(map(_text, ("simulate.js", "explore.js"))),
+        thinned=f"Shown are {thinned} of the cube. " if kept else "",
+        unfollowed=" hidden" if "laws" in model else "",
+        model=html.escape(
+            " with ".join(str(model[key]) for key in ("name", "laws") if key in model)
+        ),
+        guide=", ".join([*(captions.guides(document) or [MIXED]), *captions.starts(document)]),
+        version=html.escape(cube.attrs["code_version"]),
+    )
+
+
+def _devices(document):
+    """Sections of the devices of a config by name, "" for a single one."""
+    return document.get("devices", {"": document.get("device", {})})
+
+
+def _data(cells, thresholds, document, shown, verdicts):
+    """What the script of the page reads; arguments as those of `page`."""
+    dims, devices, (x, y) = cells.outcome.dims, _devices(document), _plane(cells)
     has_laws = "laws" in document["model"]
     dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
-    of_model = ("name", "laws") if has_laws else ("name",)
-    kind, start = _kind_of(devices), SECOND if captions.starts(document) else FIRST
-    data = {
+    return {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
         "y": y,
         "start": _opening(cells, x, y),
         "horizon": float(shown["horizon"]),
-        "shapes": STARTS if start == FIRST else STARTS[::-1],
-        "devices": {html.escape(name): [*_rows(own[name or "device"])] for name in named},
+        "shapes": STARTS[::-1] if captions.starts(document) else STARTS,
+        "devices": {
+            html.escape(name): [*_rows(shown["written"][name or "device"])] for name in devices
+        },
         "vibrations": {
-            name: [_vibration(device, C) for C in dampers] for name, device in devices.items()
+            html.escape(name): [_vibration(device, C) for C in dampers]
+            for name, device in devices.items()
         },
         "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
@@ -117,26 +147,8 @@ def page(
         ],
         "unfollowed": OF_LAWS if has_laws else TOO_LONG,
         "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
-        **_simulation(cells, named, shown["pulse"]),
+        **_simulation(cells, document, shown["pulse"]),
     }
-    sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
-    kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
-    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
-    return Template(_text("explore.html")).substitute(
-        plotly=get_plotlyjs(),
-        title=html.escape(shown["title"] or TITLE),
-        ends=", or where it ends" if "well" in cells else "",
-        drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
-        struck=STRUCK[kind],
-        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
-        code="\n".join(map(_text, ("simulate.js", "explore.js"))),
-        thinned=f"Shown are {thinned} of the cube. " if kept else "",
-        unfollowed=" hidden" if has_laws else "",
-        model=html.escape(" with ".join(str(document["model"][key]) for key in of_model)),
-        guide=", ".join([*(captions.guides(document) or [MIXED]), *captions.starts(document)]),
-        version=html.escape(cube.attrs["code_version"]),
-    )
 
 
 def _worst(name, verdicts):
@@ -149,15 +161,14 @@ def _worst(name, verdicts):
     return f"{row['verdict']}: {end_text(row)}, at worst ({where})"
 
 
-def _simulation(cells, sections, pulse):
-    """Data with which the page follows shocks; sections: of devices, "" for a single one."""
+def _simulation(cells, document, pulse):
+    """Data with which the page follows shocks."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
-    devices = {name: read_device(section) for name, section in sections.items()}
+    devices = {name: read_device(section) for name, section in _devices(document).items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
-    document = config_of(cells.attrs)
     grid, start = study.set_out(axes), captions.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     for pulse in known:
