@@ -133,7 +133,7 @@ onstart:
     for line in filter(None, [*descriptions(study), study.left_out, *warnings]):
         print(line, file=sys.stderr)
     running = list(workflow.dag.needrun_jobs())
-    forget("results", {str(path) for job in running for path in job.output})
+    forget({str(path) for job in running for path in job.output})
     progress.cells = find_missing_cells()
     if sum(progress.cells.values()) < sum(map(cells_in, plan.slabs)):
         say_cells()

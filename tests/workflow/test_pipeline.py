@@ -425,7 +425,7 @@ def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(root, clone, copied, mon
     assert counted(large)[0] == [cells, 0, cells], "it is on no list"
     numbers = code_hash(*(clone / path.relative_to(root) for path in NUMBERS), clone / JOBS)
     monkeypatch.chdir(folder)
-    list_made("results", {f"results/slabs/{name}.nc": hash_of(numbers, name)})
+    list_made({f"results/slabs/{name}.nc": hash_of(numbers, name)})
     cells, there, new = counted(large)[0]
     assert 0 < there < cells == there + new
 

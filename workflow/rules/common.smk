@@ -14,7 +14,7 @@ def list_products(jobid):
     """List the products of a job, but of no study."""
     if jobs[jobid].rule.name not in STUDIES:
         paths = map(str, jobs[jobid].output)
-        list_made("results", {path: made_from[path] for path in paths})
+        list_made({path: made_from[path] for path in paths})
 
 
 def list_finished():
@@ -28,7 +28,7 @@ def remove_old_products():
     """Remove products of older configs; only a run of all results can tell which these are."""
     products = {str(path) for job in workflow.dag.jobs for path in job.output}
     if products.issuperset(results):
-        for line in remove_others("results", products):
+        for line in remove_others(products):
             print(line, file=sys.stderr)
 
 

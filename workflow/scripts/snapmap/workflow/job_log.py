@@ -16,7 +16,7 @@ from threading import Thread
 from ..files.counting import counting
 from ..files.named import hold_to_plan
 from ..values.damper import INTERNAL, damper_in
-from .made import FOLDER, hold_to_list
+from .made import hold_to_list
 
 RUN = "SNAPMAP_RUN"
 """Name of the environment variable with the process number of a job's run."""
@@ -52,7 +52,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
         watch()
     with job_log(job.log[0]), _counted(job.log[0]):
         hold_to_plan(code_of())
-        hold_to_list(FOLDER, job.input)
+        hold_to_list(job.input)
         if "study" in wanted:
             values["study"] = study_of(job.config, threads)
         unit = values["study"].unit_of_C if "study" in wanted else INTERNAL
