@@ -87,26 +87,23 @@ def measure(problem, of: dict[str, Contender]) -> list[list[str]]:
     columns = {name: [] for name in of}
     for level in (0, 1):
         for name, part in parts.items():
-            columns[name] += _columns(_fastest(name, part, runs, level), part.exact.size)
+            columns[name] += _fastest(name, part, runs, level)
     shown = {SCIPY: problem.name}  # by its first row
     return [[shown.get(name, ""), name, *cells] for name, cells in columns.items()]
 
 
 def _fastest(name, part, runs, level):
-    """The fastest setting that meets the bound, and its run; None if there is none."""
-    meeting = [
-        (setting, run)
+    """Write the speed of the fastest setting that meets a bound, and the setting."""
+    meeting = {
+        setting: run.seconds
         for (who, setting), run in runs.items()
         if who == name and part.is_met(run.result, level)
-    ]
-    return min(meeting, key=lambda pair: pair[1].seconds, default=None)
-
-
-def _columns(best, count):
-    if best is None:
+    }
+    if not meeting:
         return [DASH, DASH]
-    setting, run = best
-    return [number(count / run.seconds), ", ".join(f"{v:g}" for v in setting if v < np.inf)]
+    best = min(meeting, key=meeting.get)
+    setting = ", ".join(f"{value:g}" for value in best if value < np.inf)
+    return [number(part.exact.size / meeting[best]), setting]
 
 
 def answers(problem) -> Iterator[list[str]]:
