@@ -45,7 +45,8 @@ def draw_map(
         the beam ends, and how sure that is
     """
     look = _time_look([cells]) if shows == "times" else {}
-    field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
+    panel = cells, thresholds, required_shocks
+    field, names = _fill_map(ax, panel, x, y, own_points, shows, look)
     ax.set_title(place_text(cells))
     width = style.signs(ax.get_figure())
     words = [captions.case(cells.attrs, width), _numbered(names, width)]
@@ -161,7 +162,7 @@ def plot_outcome(
         )
     shows = "ends" if ends else "snaps"
     axes = ax or style.notebook_axes()
-    _fill_map(axes, cells, thresholds, x, y, shows=shows)
+    _fill_map(axes, (cells, thresholds, ()), x, y, (), shows)
     if ax:  # in axes of the user's own size there is little room
         _remove_durations(ax)
     axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
@@ -195,10 +196,9 @@ def draw_maps(
             ax.remove()
             axes.flat[place] = None
             continue
-        data, thresholds, shocks = panels[place]
-        field, named = _fill_map(ax, data, thresholds, x, y, shocks, own_points, shows, look)
+        field, named = _fill_map(ax, panels[place], x, y, own_points, shows, look)
         fields, names = [*fields, field], names | named
-        ax.set_title(place_text(data.drop_vars(shared), 110 // columns))
+        ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
         beside = figure.supylabel(ax.get_ylabel(), size="medium")
         ax.set_ylabel("")
         ax.tick_params(axis="y", labelleft=place % columns == 0)
@@ -247,9 +247,12 @@ def _remove_durations(ax):
         top.remove()
 
 
-def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snaps", look=None):
-    """Draw a map; returns its field of times, or None, and the names of its shocks by number."""
-    cells = plane.thin(cells, x, y)
+def _fill_map(ax, panel, x, y, own_points, shows, look=None):
+    """Draw a map; returns its field of times, or None, and the names of its shocks by number.
+
+    panel: cells, thresholds or None, and required shocks
+    """
+    cells, thresholds, shocks = plane.thin(panel[0], x, y), *panel[1:]
     across = plane.open_plane(ax, cells, x, y)
     shown, classify = states.SHOWN[shows]
     codes = classify(cells)

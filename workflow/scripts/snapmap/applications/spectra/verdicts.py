@@ -35,8 +35,8 @@ def check_vibration(
         columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            bounds, at = (low, high, level, error), place | {"C": damping}
-            yield _verdict(required, at, snaps > 0, *bounds)
+            bounds = low, high, level, error
+            yield _verdict(required, place | {"C": damping}, snaps > 0, bounds)
 
 
 def check_spectrum(
@@ -70,11 +70,16 @@ def _of_spectrum(study, required, name, C, drawn):
         low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
         snapped = (np.all if must else np.any)(snaps[:, FACTORS.index(1.0)] == 1)
         estimate = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
-        yield _verdict(required, place | {"C": damping}, snapped, low, high, *estimate)
+        bounds = low, high, *estimate
+        yield _verdict(required, place | {"C": damping}, snapped, bounds)
 
 
-def _verdict(required, place, snapped, low, high, level, error):
-    """Make a verdict; place: its fields of shock and corner; low, high: bounds of its level."""
+def _verdict(required, place, snapped, bounds):
+    """Make a verdict.
+
+    place: its fields of shock and corner; bounds: ends of its level, the level, and its error
+    """
+    low, high, level, error = bounds
     # ASSUME: a beam need only arrive, as vibration has no end after which it could stay.
     N, must, verdict = place["N"], bool(required.snaps), UNCLEAR
     if low > N or high < N:
