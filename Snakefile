@@ -84,9 +84,7 @@ try:
     if workflow.is_main_process:
         plan_with(study.files() | code)
     hold_to_plan(study.files())
-    alone = gather(lambda part: part.alone(study))
-    observing = [part.observing for part in attached().values()]
-    plan = make_plan(study.grid, study.model, study.run, alone, observing)
+    plan = make_plan(study)
     warnings = doubts(study)
     if workflow.is_main_process:
         refuse_all(study)
@@ -135,7 +133,7 @@ onstart:
     for line in filter(None, [*descriptions(study), study.left_out, *warnings]):
         print(line, file=sys.stderr)
     running = list(workflow.dag.needrun_jobs())
-    forget("results", {str(path) for job in running for path in job.output})
+    forget({str(path) for job in running for path in job.output})
     progress.cells = find_missing_cells()
     if sum(progress.cells.values()) < sum(map(cells_in, plan.slabs)):
         say_cells()

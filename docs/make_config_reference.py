@@ -3,6 +3,7 @@
 ./run python docs/make_config_reference.py
 """
 
+import json
 from collections.abc import Iterator
 from dataclasses import is_dataclass
 from inspect import getdoc
@@ -13,17 +14,18 @@ from typing import get_args
 import yaml
 
 from snapmap.config.document import OF_SNAKEMAKE, Document
-from snapmap.config.schema import written
 from snapmap.config.study import load_config
 from snapmap.device.device import VALUES
 from snapmap.solver.options import MODELS
 from snapmap.values.fields import Row, hints, rows
 from snapmap.values.kinds import kind_of
+from snapmap.values.reading import schema
 from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
 
 HERE = Path(__file__).parent
 CONFIG = HERE.parent / "config"
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TWO_AXES = """\
 sweep:
@@ -179,6 +181,14 @@ def _default(row: Row) -> str:
         return "required" if row.required else ""
     text = f"{row.default:g}" if isinstance(row.default, float) else str(row.default)
     return f"`{text.lower() if isinstance(row.default, bool) else text}`"
+
+
+def written() -> str:
+    """Write the schema by which editors complete and check a config, as JSON."""
+    whole = schema(Document)
+    del whole["properties"]["run"]["properties"][OF_SNAKEMAKE]
+    text = json.dumps({"$schema": DIALECT} | whole, indent=1, ensure_ascii=False)
+    return f"{text}\n"
 
 
 if __name__ == "__main__":

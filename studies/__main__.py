@@ -1,7 +1,8 @@
 """Run a study by its name: ./run python -m studies NAME [--small]."""
 
-import runpy
 import sys
+from importlib import import_module
+from pathlib import Path
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
@@ -16,7 +17,9 @@ def main() -> None:
     """Run the study that the command names, with the rest of its arguments."""
     if len(sys.argv) < 2 or sys.argv[1] not in NAMES:
         sys.exit(f"python -m studies: name one of {', '.join(NAMES)}")
-    runpy.run_module(f"studies.{sys.argv.pop(1)}", run_name="__main__", alter_sys=True)
+    name = sys.argv.pop(1)
+    is_package = Path(__file__).with_name(name).is_dir()
+    import_module(f"studies.{name}{'.__main__' if is_package else ''}").main()
 
 
 if __name__ == "__main__":

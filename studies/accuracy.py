@@ -13,17 +13,18 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.figures import style
 from snapmap.files.text import DASH
 from snapmap.solver.adaptive import build_adaptive
-from snapmap.solver.cells import Cells, to_cells
+from snapmap.solver.cells import to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.options import Cosines, Elements, Reference
 from snapmap.solver.settings import Run
 
 from .common import (
+    asking,
+    clean_rows,
     command_device,
     cpu_seconds,
     few,
@@ -112,7 +113,9 @@ def measure(device: Device, speed: str, ends: tuple[float, float]) -> Iterator[d
         error = abs(edge(device, entry.edge, rows) / rows.N - 1)
         N = rows.N[:, np.newaxis] * few(MAP[:: 4 if is_slow else 1], 5)
         rounds = 1 if is_slow else few(ROUNDS)
-        seconds = cpu_seconds(partial(entry.timed, cells_of(device, rows, N)), rounds)
+        f0, C = rows.f0[:, np.newaxis], rows.C[:, np.newaxis]
+        cells = to_cells(device, 0, N, f0, C, SETTINGS.horizon)
+        seconds = cpu_seconds(partial(entry.timed, cells), rounds)
         known = error[np.isfinite(error)]
         median, most = np.quantile(known, [0.5, 0.9]) if known.size else (np.nan, np.nan)
         yield {
@@ -148,22 +151,9 @@ def by_model(model: Model) -> Follow:
     return lambda cells: model.follow(cells, SETTINGS).t_snap
 
 
-def cells_of(device: Device, rows: Posed, N: np.ndarray) -> Cells:
-    """Make cells of rows at amplitudes N, (rows, n)."""
-    f0, C = rows.f0[:, np.newaxis], rows.C[:, np.newaxis]
-    return to_cells(device, 0, N, f0, C, SETTINGS.horizon)
-
-
 def edge(device: Device, follow: Follow, rows: Posed) -> np.ndarray:
     """Find the threshold of each row, (rows,); NaN if it is not within NEAR of N."""
-
-    def ask(N):
-        known = np.isfinite(N)
-        of_cells = Posed(*(np.broadcast_to(x[:, np.newaxis], N.shape)[known] for x in rows))
-        t_snap = np.full(N.shape, np.nan)
-        t_snap[known] = follow(cells_of(device, of_cells, N[known][:, np.newaxis]))[:, 0]
-        return t_snap
-
+    ask = asking(device, follow, rows[:2], SETTINGS.horizon)
     return threshold_near(ask, rows.N, NEAR, RESOLVED)
 
 
@@ -174,9 +164,8 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
     """
     f0 = speeds * device.own_frequency / (2 * np.pi) * 1e6
     C = np.array(dampings) * np.sqrt(device.spring * device.mass)
-    rows = threshold(device, f0, C)[["N_first", "ragged"]].stack(row=("C", "f0"))
-    rows = rows.isel(row=(rows.ragged.values == 0) & np.isfinite(rows.N_first.values))
-    near = Posed(rows.f0.values, rows.C.values, rows.N_first.values, np.zeros(rows.row.size))
+    rows = clean_rows(device, f0, C)
+    near = Posed(*rows, np.zeros(rows.shape[1]))
 
     def refer(modes, factor):
         model = build_model(device, Cosines(modes=modes)).with_step(factor)
@@ -280,7 +269,3 @@ def draw_speed(ax: Axes, points: pd.DataFrame) -> None:
     ax.set(xscale="log", yscale="log", xlabel="error of the threshold (%)")
     ax.set_ylabel("simulations per second, one thread")
     ax.text(0.03, 0.04, "better: up and to the left", transform=ax.transAxes, color="0.4")
-
-
-if __name__ == "__main__":
-    main()

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap import Study, load_device, threshold
+from snapmap import Study, threshold
 from snapmap.applications.calibration.dataset import fit
 from snapmap.applications.calibration.shots import Group, Shots
 from snapmap.applications.calibration.surface import Surface, surface_of
@@ -15,7 +15,7 @@ from snapmap.device.device import Device
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.options import Chosen, Cosines, Elements
 
-from .common import ROOT, few
+from .common import command_device, few, with_beam
 from .tables import Table, write
 
 DURATIONS, C = [250.0, 500.0, 1000.0, 2000.0], 25.0
@@ -28,7 +28,7 @@ NAMES += "a stop at 12 um", "a spring of 6 N/m"
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     pulse = make_pulse()
     groups = tuple(Group(pulse.name, "+z", 1e6 / time, pulse) for time in few(DURATIONS, 2))
     both = {"thickness": RANGES["thickness"]}, RANGES
@@ -45,7 +45,7 @@ def main():
 
 def makers(device: Device) -> dict[str, Study]:
     """Return what makes the shots, by name."""
-    free = replace(device, beam=replace(device.beam, free=1.0, imperfection=0.1))
+    free = with_beam(device, free=1.0, imperfection=0.1)
     models: tuple[Chosen, ...] = Cosines(modes=3), Elements(elements=20, modes=11)
     others = free, replace(device, stop_toward=12.0), replace(device, spring=6.0)
     studies = Study(device), *(Study(device, model) for model in models), *map(Study, others)
@@ -76,7 +76,3 @@ def row(name: str, shots: list[Shots], apart: np.ndarray, surface: Surface) -> l
     half, spread = np.median(high - low) / 2, np.mean([x.spread.values[0] for x in found])
     cells = f"{middle.mean():.3f}", f"{half:.3f}", f"{covered} of {len(shots)}", f"{spread:.1%}"
     return [name, ends, *cells]
-
-
-if __name__ == "__main__":
-    main()

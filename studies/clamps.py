@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from snapmap import load_device
 from snapmap.beam.basis import PLACES, Basis
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier, saddle_and_second
@@ -26,7 +25,7 @@ from snapmap.solver.settings import Run
 from snapmap.solver.steps import steps_of
 from snapmap.thresholds.probe import Probe, lowest_snap
 
-from .common import ROOT, few
+from .common import command_device, few
 from .tables import Table, write
 
 ANCHORS = {"a rigid root": 16, "linear stress": 18, "3 times as soft": 54, "10 times": 180}
@@ -41,7 +40,7 @@ beam; time followed after the pulse, us."""
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     write("clamps", turning_clamps(device))
 
 
@@ -62,12 +61,8 @@ def changed(device: Device, b: float) -> list[float]:
     """Find buckling load, frequency, static threshold exactly and by elements, and thresholds."""
     basis = turning_elements(ELEMENTS, b)
     static = (static_threshold(device, response) for response in (exact(b), of_elements(basis)))
-    return [
-        buckling_root(b) ** 2,
-        vibration_root(b) ** 2,
-        *static,
-        *thresholds(device, basis, few(F0)),
-    ]
+    exactly = buckling_root(b) ** 2, vibration_root(b) ** 2
+    return [*exactly, *static, *thresholds(device, basis, few(F0))]
 
 
 def compliance(beam: Beam, s: float) -> float:
@@ -146,15 +141,13 @@ def static_threshold(device: Device, response: Callable[[float], Response]) -> f
 
     On the path from rest the axial force grows up to it.
     """
+
+    def less(N):
+        return -balance(device, N, response(N))
+
     forces = np.linspace(0, 2 * (4 * np.pi) ** 2, 2 * POINTS + 1)[1::2]
-    loads = np.array([balance(device, N, response(N)) for N in forces])
-    top = np.argmax(~(np.diff(loads) > 0))
-    best = minimize_scalar(
-        lambda N: -balance(device, N, response(N)),
-        bounds=forces[[top - 1, top + 1]],
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
+    top = np.argmax(~(np.diff([less(N) for N in forces]) < 0))
+    best = minimize_scalar(less, bounds=forces[[top - 1, top + 1]], options={"xatol": 1e-9})
     unit = device.beam.stiffness_unit * device.beam.rise
     return -best.fun * unit / (device.mass * device.gravity)
 
@@ -220,7 +213,3 @@ def thresholds(device: Device, basis: Basis, f0: list[float]) -> np.ndarray:
     model = Model("elements", device, basis, modal, barrier, steps_of(device, modal))
     probe = Probe(model.with_step(STEP), to_rows(0, f0, C), Run(HORIZON))
     return lowest_snap(probe, (300.0, 3000.0), TOLERANCE)
-
-
-if __name__ == "__main__":
-    main()

@@ -7,8 +7,6 @@ import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import version
-from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from time import perf_counter, process_time
@@ -16,10 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from snapmap import load_device
+from snapmap import load_device, threshold
 from snapmap.config.devices import read_device
 from snapmap.device.device import Device
 from snapmap.files.text import plain
+from snapmap.solver.cells import to_cells
 from snapmap.solver.models import Model
 from snapmap.solver.steps import fixed
 from snapmap.thresholds.probe import refine
@@ -57,6 +56,11 @@ def results(name: str) -> Path:
     return path
 
 
+def with_beam(device: Device, **values: float) -> Device:
+    """Return the device with other values of its beam."""
+    return replace(device, beam=replace(device.beam, **values))
+
+
 def stepped(model: Model, dt: float) -> Model:
     """Return the model of one device with the fixed time step dt, us."""
     return replace(model, steps=fixed(np.array([dt])))
@@ -65,6 +69,30 @@ def stepped(model: Model, dt: float) -> Model:
 def bending_limit(model: Model) -> float:
     """Return 2/omega_max, us, of linear bending and of the mass on its spring, of one device."""
     return float(min(2 / np.sqrt(model.modal.stiffness[-1]), 2 / model.device.mass_frequency))
+
+
+def asking(
+    device: Device, follow: Callable, rows: tuple[np.ndarray, np.ndarray], horizon: float
+) -> Callable:
+    """Make a function of N, (rows, n), that returns t_snap, us; NaN where N is NaN.
+
+    follow: function of cells, (cells,), that returns t_snap; rows: f0 (Hz) and C, each (rows,)
+    """
+
+    def ask(N):
+        f0, C = (np.broadcast_to(a[:, np.newaxis], N.shape) for a in rows)
+        t_snap, known = np.full(N.shape, np.nan), np.isfinite(N)
+        t_snap[known] = follow(to_cells(device, 0, N[known], f0[known], C[known], horizon))
+        return t_snap
+
+    return ask
+
+
+def clean_rows(device: Device, f0: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Find f0 (Hz), C (uN us/um) and the threshold of rows that are not ragged, (3, rows)."""
+    rows = threshold(device, f0, C)[["N_first", "ragged"]].stack(row=("C", "f0"))
+    rows = rows.isel(row=(rows.ragged.values == 0) & np.isfinite(rows.N_first.values))
+    return np.array([rows.f0.values, rows.C.values, rows.N_first.values])
 
 
 def threshold_near(ask: Callable, N: np.ndarray, factor: float, tolerance: float) -> np.ndarray:
@@ -103,12 +131,6 @@ def cpu_seconds(task: Callable, rounds: int) -> float:
     return take_turns({0: task}, rounds, process_time)[0].seconds
 
 
-def versions(*packages: str) -> str:
-    """Write the versions of Python and of packages, or that a package is missing."""
-    known = (f"{name} {version(name)}" if find_spec(name) else f"no {name}" for name in packages)
-    return ", ".join([f"Python {platform.python_version()}", *known])
-
-
 def machine() -> str:
     """Return the processor's name from Linux, or else its architecture."""
     info = Path("/proc/cpuinfo")
@@ -119,11 +141,6 @@ def machine() -> str:
 def number(value: float) -> str:
     """Write three significant digits."""
     return plain(value, 3)
-
-
-def rate(count: int, seconds: float) -> str:
-    """Write a number per second."""
-    return number(count / seconds)
 
 
 def ratio(value: float) -> str:

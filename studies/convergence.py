@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.axes import Axes
 
-from snapmap import load_device, threshold
+from snapmap import threshold
 from snapmap.device.device import Device
 from snapmap.figures import style
 from snapmap.solver.cells import to_rows
@@ -21,7 +21,7 @@ from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
-from .common import ROOT, few, number
+from .common import command_device, few, number
 from .tables import Table, save_picture, write
 
 ROWS = {"clean": (1500.0, 25.0), "ragged": (5800.0, 0.025)}
@@ -58,7 +58,7 @@ HEAD = ["row", "family", "value", "N", "error"]
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     errors = {
         (name, family): errors_of(device, row, few(models, 3), REFERENCES[family])
         for name, row in few(ROWS, 2).items()
@@ -124,7 +124,3 @@ def draw(ax: Axes, family: str, points: dict) -> None:
             ax.set_title(f"order {abs(order)}")
     ax.set(xscale="log", yscale="log", xlabel=family, ylabel="relative error of N")
     ax.label_outer()
-
-
-if __name__ == "__main__":
-    main()

@@ -34,11 +34,7 @@ from .tables import Table, write
 
 SEED, DEVICES, DEVICES_OF_ALL = 53, 24, 24
 KEYS = "N_first", "N_error", "ragged"
-MODELS = {
-    "auto": Auto(),
-    "5 elements": Elements(),
-    "5 cosines": Cosines(modes=5),
-}
+MODELS = {"auto": Auto(), "5 elements": Elements(), "5 cosines": Cosines(modes=5)}
 JUDGES = Cosines(modes=16), Elements(elements=20, modes=12)
 JUDGED_STEP = 0.2
 """The judges are two far finer discretisations in a fifth of the default steps. A threshold on
@@ -165,7 +161,3 @@ def summary(runs, slow: int):
         str(slow),
         str(sum(run.result is None for run, _ in runs)),
     ]
-
-
-if __name__ == "__main__":
-    main()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from snapmap import Study, load_device
+from snapmap import Study
 from snapmap.device.device import Device
 from snapmap.solver.settings import Run
 from snapmap.study.axes import Grid
@@ -17,7 +17,7 @@ from snapmap.thresholds.search import Search
 from snapmap.thresholds.surface import search_of
 from snapmap.thresholds.survey import Thresholds, survey
 
-from .common import ROOT, few
+from .common import command_device, few
 from .random_devices import draw_device, draw_shocks
 from .tables import Table, write
 
@@ -41,7 +41,7 @@ class Seen(NamedTuple):
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     search = search_of(*planned(device, few(F0, 3), few(DAMPINGS, 2)))
     found = survey(search)
     seen = {"the handout's": [below(search, found)], "random": [*of_random()]}
@@ -110,7 +110,3 @@ def missed(seen: dict[str, list[Seen]]) -> Table:
             rows.append([f"{whose}, {name}", *map(str, counts), f"{wide:.3%}", f"{deep:.1f}"])
     head = ["rows", "number", "with snaps below the bar", "widest stretch", "deepest, bars"]
     return Table("islands_missed", head, rows)
-
-
-if __name__ == "__main__":
-    main()

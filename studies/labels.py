@@ -5,14 +5,14 @@
 
 import numpy as np
 
-from snapmap import Study, load_device, sweep, threshold
+from snapmap import Study, sweep
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Auto, Cosines, Elements
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
-from .common import ROOT, few, number
+from .common import clean_rows, command_device, few, number
 from .tables import Table, write
 
 F0, C = np.geomspace(300.0, 3e4, 41), (25.0, 200.0)
@@ -33,16 +33,14 @@ HEAD += ["labels change within, median, %", "90 %", "largest"]
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
-    rows = clean_rows(device)
+    device = command_device()
+    rows = true_thresholds(device)
     write("labels", Table("labels", HEAD, [row(device, rows, name) for name in few(MODELS, 2)]))
 
 
-def clean_rows(device):
+def true_thresholds(device):
     """Find f0 (Hz), C (uN us/um) and the true threshold of rows that are not ragged, (3, rows)."""
-    edges = threshold(device, few(F0), few(C))[["N_first", "ragged"]].stack(row=("C", "f0"))
-    edges = edges.isel(row=(edges.ragged.values == 0) & np.isfinite(edges.N_first.values))
-    f0, damping, N = edges.f0.values, edges.C.values, edges.N_first.values
+    f0, damping, N = clean_rows(device, few(F0), few(C))
     probe = Probe(build_model(device, TRUE).with_step(STEP), to_rows(0, f0, damping), Run())
     true = lowest_snap(probe, (N * (1 - NEAR), N * (1 + NEAR)), TOLERANCE, NEAR / 8)
     return np.array([f0, damping, true])[:, np.isfinite(true)]
@@ -59,7 +57,3 @@ def row(device, rows, name):
     distance = 100 * cube.t_snap.attrs["label_distance"]
     counts = f"{distance:g}", len(reach), np.sum(np.array(reach) > distance)
     return [name, *map(str, counts), *map(number, np.quantile(reach, [0.5, 0.9, 1.0]))]
-
-
-if __name__ == "__main__":
-    main()

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from snapmap import load_device, threshold
+from snapmap import threshold
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device, batch
 from snapmap.files.text import plain
@@ -19,7 +19,7 @@ from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.thresholds.slow import growth_rate, slow_factor
 
-from .common import ROOT, few, number
+from .common import command_device, few, number
 from .random_devices import even
 from .tables import Table, write
 
@@ -48,7 +48,7 @@ def main():
 
 def limits():
     """Yield how far both laws hold for the handout's device, a row for each C."""
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     for damping in few(C):
         edges = threshold(device, few(F0, 40), [damping]).squeeze("C")
         short = 1e-6 * edges.f0 * edges.velocity_change / (edges.area * device.gravity)
@@ -66,23 +66,12 @@ def _reach(ratio, within):
 
 def draw_device(draw: np.random.Generator) -> Device:
     """Draw a device within the assumptions of the law."""
-    thickness = even(draw, 0.5, 5.0)
-    beam = Beam(
-        span=300 * thickness,
-        rise=draw.uniform(3.0, 8.0) * thickness,
-        thickness=thickness,
-        depth=20.0,
-        youngs_modulus=1.5e5,
-        density=2.33e-3,
-    )
+    t, Q = even(draw, 0.5, 5.0), draw.uniform(3.0, 8.0)
+    beam = Beam(300 * t, Q * t, t, depth=20.0, youngs_modulus=1.5e5, density=2.33e-3)
     falls = 64 * math.pi**2 * beam.stiffness_unit
-    return Device(
-        beam,
-        mass=beam.weight * even(draw, 30.0, 3000.0),
-        spring=falls * draw.uniform(0.1, 0.8),
-        contact=falls * even(draw, 5.0, 1000.0),
-        gravity=9.81e-6,
-    )
+    mass, spring = beam.weight * even(draw, 30.0, 3000.0), falls * draw.uniform(0.1, 0.8)
+    contact = falls * even(draw, 5.0, 1000.0)
+    return Device(beam, mass=mass, spring=spring, contact=contact, gravity=9.81e-6)
 
 
 def _row(devices, ratio, reach):
@@ -101,7 +90,3 @@ def _row(devices, ratio, reach):
     middle = number(np.median(excess[known]))
     off = (f"{value:.1e}" for value in np.percentile(error[known], [50, 90, 100]))
     return [f"{ratio:g}", f"{known.sum()} of {N.size}", middle, *off, *shares]
-
-
-if __name__ == "__main__":
-    main()

@@ -136,7 +136,3 @@ def scipy_snap(model: Model, cell) -> float:
     start, tolerance = np.zeros(2 * n + 2), {"rtol": 1e-9, "atol": 1e-9}
     times = solve_ivp(rate, (0, end), start, "DOP853", events=snaps, **tolerance).t_events[0]
     return times[0] if times.size else np.nan
-
-
-if __name__ == "__main__":
-    main()

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap import Study, load_device, simulate, threshold
+from snapmap import Study, simulate, threshold
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Device
 from snapmap.solver.cells import to_rows
@@ -19,7 +19,7 @@ from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from .clamps import ANCHORS, ELEMENTS, compliance, thresholds, turning_elements
-from .common import ROOT, few
+from .common import command_device, few, with_beam
 from .tables import Table, write
 
 F0, C, TOLERANCE = [500.0, 1500.0, 5000.0], 25.0, 1e-6
@@ -52,21 +52,16 @@ LOADS, MODES, UNDAMPED = (984.0, 2400.0), (5, 11, 21), 0.025
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     changes = measured_changes(device)
     tables = left_out(device, changes), of_changes(device, changes), stops(device), tilt(device)
     write("limits", *tables, stress(device))
 
 
-def changed(device: Device, **values: float) -> Device:
-    """Return the device with other values of its beam."""
-    return replace(device, beam=replace(device.beam, **values))
-
-
 def variants(device: Device) -> dict[str, tuple[Device, float]]:
     """Return changed devices, and C, by what is changed."""
     beams = {f"1 % more {key}": {key: PERCENT * getattr(device.beam, key)} for key in OF_BEAM}
-    made = {name: changed(device, **values) for name, values in (beams | BEAMS).items()}
+    made = {name: with_beam(device, **values) for name, values in (beams | BEAMS).items()}
     for key in OF_DEVICE:
         made[f"1 % more {key}"] = replace(device, **{key: PERCENT * getattr(device, key)})
     made |= {f"gap {gap:g} um": replace(device, gap=gap) for gap in GAPS}
@@ -162,7 +157,7 @@ def tilt(device: Device) -> Table:
     """Make a table of thresholds of guided beams and of those free to tilt."""
     rows = []
     for name, values in few(BENDS, 2).items():
-        other = changed(device, **values)
+        other = with_beam(device, **values)
         cells = with_bars(Study(other), few(TILTED))
         rows.append([name, f"{static_threshold(other):.0f}", *cells])
     head = ["beam", "static", *(f"{f0:g} Hz" for f0 in TILTED)]
@@ -186,7 +181,3 @@ def stress(device: Device) -> Table:
             both = seen.stress_max_to_snap.item(), seen.stress_max.item()
             rows.append([f"{N:g}", str(modes), *(f"{value:.1f}" for value in both)])
     return Table("limits_stress", ["N", "cosines", "up to the snap, MPa", "in all, MPa"], rows)
-
-
-if __name__ == "__main__":
-    main()

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap import Study, load_device, threshold
+from snapmap import Study, threshold
 
-from .common import ROOT, few
+from .common import command_device, few
 from .tables import Table, write
 
 PULSES = {"versed sine": [500.0, 1500.0, 5000.0], "half sine": [1500.0]}
@@ -20,7 +20,7 @@ C = [0.025, 25.0]
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     devices = [replace(device, contact=contact) for contact in CONTACTS.values()]
     columns = [column for each in devices for column in np.transpose([*thresholds(each)])]
     pulses = [f"{shape}, {f0:g} Hz" for shape in few(PULSES) for f0 in PULSES[shape]]
@@ -37,7 +37,3 @@ def thresholds(device):
             values = (found[key].sel(f0=f0).values for key in ("N_first", "N_error"))
             yield [f"{N:.1f} ± {error:.1f}" for N, error in zip(*values, strict=True)]
     yield [f"{found.N_static.item():.1f}"] * len(C)
-
-
-if __name__ == "__main__":
-    main()

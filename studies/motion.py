@@ -25,11 +25,7 @@ from .tables import Table, write
 
 N, F0, C = np.linspace(1100, 3000, 4), np.geomspace(1e3, 8e3, 4), 25.0
 CONTACTS = (40.0, np.inf)
-MODELS = {
-    "5 cosines": Cosines(modes=5),
-    "7 cosines": Cosines(modes=7),
-    "5 elements": Elements(),
-}
+MODELS = {"5 cosines": Cosines(modes=5), "7 cosines": Cosines(modes=7), "5 elements": Elements()}
 FINEST, FINE, OTHER = "7 cosines", 0.002, 0.003
 """Name of the reference, its step, and another step that shows its error, us."""
 SETTINGS = Run(horizon=1000.0)
@@ -115,9 +111,8 @@ def judge(name, modes):
     for words, half in (("even", runs[::2]), ("odd", runs[1::2])):
         work, work_bar, snap, snap_bar, snaps = np.concatenate(half, axis=1)
         known, unknown = np.isfinite(snap_bar), np.isnan(snap_bar) & (snaps > 0)
-        shares = [
-            np.mean((error <= bar)[known]) for error, bar in ((work, work_bar), (snap, snap_bar))
-        ]
+        pairs = (work, work_bar), (snap, snap_bar)
+        shares = [np.mean((error <= bar)[known]) for error, bar in pairs]
         over = np.nan_to_num(snap[known], nan=np.inf) / np.fmax(snap_bar[known], TINY)
         over = map(number, np.quantile(over, [0.5, 0.9], method="lower"))
         counts = known.sum(), *(f"{share:.0%}" for share in shares), *over
@@ -146,7 +141,3 @@ def judged(draw, modes):
     bars, snaps = errors_of(model, cells, settings), np.isfinite(own.t_snap)
     work, snap = (compare(own, finer) for compare in (work_error, t_snap_error))
     return np.array([work, bars["work_error"], snap, bars["t_snap_error"], snaps])
-
-
-if __name__ == "__main__":
-    main()

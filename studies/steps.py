@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from snapmap import load_device
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
 from snapmap.pulse.pulse import make_pulse
@@ -22,7 +21,7 @@ from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.probe import Probe
 from snapmap.thresholds.search import scan_upwards
 
-from .common import ROOT, few, number, threshold_near
+from .common import command_device, few, number, threshold_near, with_beam
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 from .tables import Table, write
 
@@ -98,10 +97,9 @@ def with_longest(model, turn):
 
 def edges():
     """Yield rows of errors of thresholds by rule, of random devices and of the handout's."""
-    draw, errors = np.random.default_rng(SEED), []
-    for _ in range(few(DEVICES)):
-        errors.append(errors_of(draw_any_device(draw), draw_pulse(draw), draw))
-    device = load_device(ROOT / "config" / "config.yaml")
+    draw, count = np.random.default_rng(SEED), range(few(DEVICES))
+    errors = [errors_of(draw_any_device(draw), draw_pulse(draw), draw) for _ in count]
+    device = command_device()
     rows = to_rows(0, few(F0), C[:, np.newaxis])
     of_handout = errors_of_rows(device, rows, Run())
     of_random = np.concatenate(errors, axis=1)
@@ -174,15 +172,10 @@ def stays():
     """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
     settings = Run(6000.0)
-    device = load_device(ROOT / "config" / "config.yaml")
-    beam = replace(device.beam, damping=1e-3)
+    device = with_beam(command_device(), damping=1e-3)
     for contact in few(CONTACTS):
-        held = replace(device, beam=beam, contact=contact)
+        held = replace(device, contact=contact)
         model = build_model(held, Cosines(modes=COSINES))
         cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
         ends = (with_longest(model, turn).follow(cells, settings).well for turn in few(STAYS))
         yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]
-
-
-if __name__ == "__main__":
-    main()

@@ -3,9 +3,9 @@
 ./run python -m studies tolerances [--small]
 """
 
-from snapmap import Study, load_device, tolerance
+from snapmap import Study, tolerance
 
-from .common import ROOT, few
+from .common import command_device, few
 from .tables import Table, write
 
 SCATTERS = {"thickness": 0.05, "rise": {"uniform": 0.2}, "youngs_modulus": "5 %"}
@@ -15,7 +15,7 @@ F0, C = [500.0, 1500.0, 15000.0], [25.0]
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     write("tolerances", indices(device), distribution(device))
 
 
@@ -49,7 +49,3 @@ def distribution(device):
         rows.append([f"{f0:g}", nominal, mean, f"{spread:.1%}", *ends])
     head = ["f0, Hz", "nominal", "mean", "standard deviation", "1 % snap at", "99 % snap at"]
     return Table("tolerances_thresholds", head, rows)
-
-
-if __name__ == "__main__":
-    main()

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from snapmap import Study, load_device, simulate, statics, sweep
+from snapmap import Study, simulate, statics, sweep
 from snapmap.beam.cosines import buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import BucklingModes, displacement, find_barrier, push, roots
@@ -22,7 +22,7 @@ from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
-from .common import ROOT, bending_limit, few, stepped
+from .common import bending_limit, command_device, few, stepped, with_beam
 from .elastica import corners
 from .peers.equations import equations_of
 from .peers.scipy_ivp import compile_rate
@@ -40,7 +40,7 @@ TOLERANCE = 1e-9
 
 
 def main():
-    device = load_device(ROOT / "config" / "config.yaml")
+    device = command_device()
     sections = {
         "statics": curved_beam(device),
         "spectra": spectra(),
@@ -61,7 +61,7 @@ def row(what, reference, value, digits=6):
 
 def curved_beam(device):
     """Yield rows of the statics of Qiu, Lang and Slocum's curved beam."""
-    thin = replace(device, beam=replace(device.beam, thickness=device.beam.rise / LARGE_Q))
+    thin = with_beam(device, thickness=device.beam.rise / LARGE_Q)
     unit = thin.beam.stiffness_unit * thin.beam.rise
     path = statics(thin)
     rise = thin.beam.rise
@@ -179,12 +179,10 @@ def thresholds(device):
     """Yield rows of thresholds by DOP853, and of the differences of ours."""
     cases = {
         "as it is": device,
-        "stress of -8 MPa, gap of 0.5 um": replace(
-            device, gap=0.5, beam=replace(device.beam, residual_stress=-8.0)
+        "stress of -8 MPa, gap of 0.5 um": with_beam(
+            replace(device, gap=0.5), residual_stress=-8.0
         ),
-        "free, imperfection of 0.05 um": replace(
-            device, beam=replace(device.beam, free=1.0, imperfection=0.05)
-        ),
+        "free, imperfection of 0.05 um": with_beam(device, free=1.0, imperfection=0.05),
     }
     for name, case in few(cases).items():
         model = build_model(case, Cosines(modes=3))
@@ -202,9 +200,9 @@ def shallow(device):
     """
     spring, soft = device.spring / device.beam.stiffness_unit, device.spring / device.contact
     for scale in few(SCALES):
-        beam = device.beam
-        beam = replace(beam, rise=beam.rise * scale, thickness=beam.thickness * scale)
-        path, unit = statics(replace(device, beam=beam)), beam.stiffness_unit * beam.rise
+        values = {key: scale * getattr(device.beam, key) for key in ("rise", "thickness")}
+        beam = (steeper := with_beam(device, **values)).beam
+        path, unit = statics(steeper), beam.stiffness_unit * beam.rise
         place, force = path.displacement.values[0] / beam.rise, path.force.values[0] / unit
         ours = [(place[at], force[at]) for at in (force.argmax(), force.argmin())]
         exact = [(at, each / unit) for at, each in corners(beam)]
@@ -228,7 +226,3 @@ def _short_of_snap(model, N):
     run = solve_ivp(rate, (0, 1 / f0), rest, "DOP853", args=shock, **how)
     target = model.barrier.second - model.barrier.first
     return min(w(x) for x in run.sol(np.linspace(0, 1 / f0, 4001)).T.copy()) - target
-
-
-if __name__ == "__main__":
-    main()

@@ -4,7 +4,7 @@ import random
 
 import yaml
 
-from snapmap.applications import attached, gather
+from snapmap.applications import attached
 from snapmap.config.study import load_config
 from snapmap.workflow.forecast import search_seconds
 from snapmap.workflow.plan import make_plan
@@ -49,11 +49,9 @@ def random_study(seed):
 
 
 def _seconds(study):
-    alone = gather(lambda part: part.alone(study))
-    observing = [part.observing for part in attached().values()]
-    plan = make_plan(study.grid, study.model, study.run, alone, observing)
     searches = search_seconds(study.of_thresholds(), study.grid)
-    return 3 * plan.seconds + searches + sum(part.cost(study) for part in attached().values())
+    costs = sum(part.cost(study) for part in attached().values())
+    return 3 * make_plan(study).seconds + searches + costs
 
 
 class Drawn:

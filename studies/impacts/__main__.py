@@ -4,7 +4,7 @@
 """
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from statistics import median
@@ -15,13 +15,13 @@ import numpy as np
 
 from snapmap.files.text import DASH
 
-from ..common import command_device, few, rate, take_turns
+from ..common import command_device, few, number, take_turns
 from ..tables import Table, write
 from . import solvers
 from .problems import BALL, RIGID, make_ball, make_bilinear, make_oscillator, make_valve
 
-ROUNDS, ALLOWED = 3, 0.05
-"""Rounds of which the median counts; share of trajectories that may miss a bound, as some graze."""
+ROUNDS = 3
+"""Rounds of which the median counts."""
 SOME = slice(4, None, 9)
 """Trajectories, spread over an ensemble, for a solver that is too slow for all."""
 LONGEST = (1e-4, 0.1), (1e-6, 0.1), (1e-6, np.inf), (1e-9, np.inf), (1e-12, np.inf)
@@ -82,49 +82,32 @@ def measure(problem, of: dict[str, Contender]) -> list[list[str]]:
         solve = contender.make(parts[name])
         tasks |= {(name, setting): partial(solve, *setting) for setting in contender.settings}
     first = take_turns(tasks, 1)  # compiles
-    meeting = {key: tasks[key] for key in tasks if _meets(parts[key[0]], first[key].result, 0)}
+    meeting = {key: tasks[key] for key in tasks if parts[key[0]].is_met(first[key].result, 0)}
     runs = take_turns(meeting, few(ROUNDS), process_time, median)
     columns = {name: [] for name in of}
     for level in (0, 1):
         for name, part in parts.items():
-            columns[name] += _columns(_fastest(name, part, runs, level), part.exact.size)
+            columns[name] += _fastest(name, part, runs, level)
     shown = {SCIPY: problem.name}  # by its first row
     return [[shown.get(name, ""), name, *cells] for name, cells in columns.items()]
 
 
-def _meets(part, answers, level):
-    return part.wrong(answers, level) <= ALLOWED * part.exact.size
-
-
 def _fastest(name, part, runs, level):
-    """The fastest setting that meets the bound, and its run; None if there is none."""
-    meeting = [
-        (setting, run)
+    """Write the speed of the fastest setting that meets a bound, and the setting."""
+    meeting = {
+        setting: run.seconds
         for (who, setting), run in runs.items()
-        if who == name and _meets(part, run.result, level)
-    ]
-    return min(meeting, key=lambda pair: pair[1].seconds, default=None)
-
-
-def _columns(best, count):
-    if best is None:
+        if who == name and part.is_met(run.result, level)
+    }
+    if not meeting:
         return [DASH, DASH]
-    setting, run = best
-    return [rate(count, run.seconds), ", ".join(f"{v:g}" for v in setting if v < np.inf)]
+    best = min(meeting, key=meeting.get)
+    setting = ", ".join(f"{value:g}" for value in best if value < np.inf)
+    return [number(part.exact.size / meeting[best]), setting]
 
 
-def answers(problem) -> list[list[str]]:
-    """Make rows of the first and the last trajectory of an ensemble, as checks for others."""
-    return [
-        [
-            problem.name,
-            ", ".join(f"{value:.12g}" for value in problem.q[i]),
-            f"{problem.t_end[i]:.12g}",
-            f"{problem.exact[i]:.9f}",
-        ]
-        for i in (0, -1)
-    ]
-
-
-if __name__ == "__main__":
-    main()
+def answers(problem) -> Iterator[list[str]]:
+    """Yield rows of the first and the last trajectory of an ensemble, as checks for others."""
+    for i in (0, -1):
+        *parameters, end = (f"{value:.12g}" for value in (*problem.q[i], problem.t_end[i]))
+        yield [problem.name, ", ".join(parameters), end, f"{problem.exact[i]:.9f}"]

@@ -11,8 +11,9 @@ from scipy.optimize import brentq
 from ..common import few
 
 BALL, RIGID = "bouncing ball", "impact oscillator"
-BOUNDS = 1e-3, 1e-6
-"""Largest errors of x[0] at t_end, loose and tight."""
+BOUNDS, ALLOWED = (1e-3, 1e-6), 0.05
+"""Largest errors of x[0] at t_end, loose and tight; share of trajectories that may miss a bound, as
+some graze."""
 REST = 1e-4
 """A solver may stop a ball that leaves the floor with a lower speed."""
 SIDE, FEWEST = 16, 3
@@ -53,9 +54,9 @@ class Problem:
         columns = {key: getattr(self, key)[which] for key in ("start", "q", "t_end", "exact")}
         return replace(self, **columns)
 
-    def wrong(self, answers: np.ndarray, level: int) -> int:
-        """Count answers that miss a bound, by its number."""
-        return int(np.sum(~(np.abs(answers - self.exact) <= BOUNDS[level])))
+    def is_met(self, answers: np.ndarray, level: int) -> bool:
+        """Tell whether no more answers than ALLOWED miss a bound, by its number."""
+        return np.mean(~(np.abs(answers - self.exact) <= BOUNDS[level])) <= ALLOWED
 
 
 def grid(*axes: np.ndarray) -> np.ndarray:

@@ -19,7 +19,3 @@ def main() -> None:
     measured = measure([*contenders()], scenes)
     speed = map_table(measured), alone_table(measured, scenes)
     write("peers", *speed, structure_table(device))
-
-
-if __name__ == "__main__":
-    main()

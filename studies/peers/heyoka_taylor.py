@@ -12,8 +12,8 @@ SNAPPED = -1
 """Outcome of a lane that its first event has ended; `propagate_until` counts them down from -1."""
 
 
-def by_heyoka(equations: Equations, tolerance: float, width: int = 0) -> Follow:
-    """Make a function that follows cells in `width` lanes, by default as many as heyoka suggests.
+def by_heyoka(equations: Equations, tolerance: float) -> Follow:
+    """Make a function that follows cells in as many lanes as heyoka suggests.
 
     An event switches the contact: a `max` would open and close it at the ends of steps alone.
     """
@@ -27,7 +27,7 @@ def by_heyoka(equations: Equations, tolerance: float, width: int = 0) -> Follow:
 
     rates, over, height = system(equations)
     falling = heyoka.event_direction.negative
-    width = width or heyoka.recommended_simd_size()
+    width = heyoka.recommended_simd_size()
     integrator = heyoka.taylor_adaptive_batch(
         rates,
         np.zeros((len(rates), width)),

@@ -11,7 +11,7 @@ from snapmap.solver.cells import Cells, to_cells
 from snapmap.solver.models import Model, build_model
 from snapmap.solver.options import Cosines, Elements
 
-from ..common import few, threshold_near
+from ..common import asking, few, threshold_near
 from .equations import Equations, Follow, equations_of
 from .exact import by_short_steps
 
@@ -53,15 +53,7 @@ class Scene(NamedTuple):
 
     def asked(self, follow: Follow) -> Callable:
         """Make a function of N, (rows, n), that returns t_snap; NaN where N is NaN."""
-
-        def ask(N):
-            f0, C = (np.broadcast_to(a[:, np.newaxis], N.shape) for a in (self.f0, self.C))
-            t_snap, known = np.full(N.shape, np.nan), np.isfinite(N)
-            cells = to_cells(self.device, 0, N[known], f0[known], C[known], HORIZON)
-            t_snap[known] = follow(cells)
-            return t_snap
-
-        return ask
+        return asking(self.device, follow, (self.f0, self.C), HORIZON)
 
     def errors(self, follow: Follow) -> np.ndarray:
         """Return relative errors of the thresholds, (rows,); NaN without one within NEAR."""

@@ -10,7 +10,7 @@ from snapmap import Study, simulate, statics, threshold
 from snapmap.device.device import Device
 from snapmap.solver.options import Cosines
 
-from ..common import few, is_small
+from ..common import few, is_small, with_beam
 from ..tables import Table
 from .opensees import SNAPPED, HalfBeam, load
 
@@ -48,7 +48,7 @@ def similar(device: Device, steeper: int) -> Device:
     factors = {"mass": steeper} | dict.fromkeys(("spring", "contact", "gravity"), steeper**3)
     beam = {key: steeper * getattr(device.beam, key) for key in ("rise", "thickness")}
     values = {key: factor * getattr(device, key) for key, factor in factors.items()}
-    return replace(device, **values, beam=replace(device.beam, **beam))
+    return with_beam(replace(device, **values), **beam)
 
 
 def compared(device: Device, steeper: int) -> Iterator[tuple[str, list[float], float]]:

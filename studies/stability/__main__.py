@@ -41,7 +41,3 @@ def main() -> None:
         maps.draw_maps(figure, panels, "f0", "N", shows="ends")
         style.save(figure, results("figures/settled"), settled.attrs)
     write("stability", *tables(cases, settled), followed_on(device))
-
-
-if __name__ == "__main__":
-    main()

@@ -10,6 +10,8 @@ from snapmap.device.shape import BISTABILITY_LIMIT
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.options import Cosines, Elements, Reference
 
+from ..common import with_beam
+
 APART = 1e-9
 """Relative distance between the amplitudes of a case's cells."""
 
@@ -69,9 +71,8 @@ MODELS = {
 
 def changed(device: Device, case: Case) -> Device:
     """Return the device with the changes of a case."""
-    beam = device.beam
     if case.Q is not None:
-        beam = replace(beam, rise=case.Q * beam.thickness)
+        device = with_beam(device, rise=case.Q * device.beam.thickness)
     if case.beam_damping is not None:
-        beam = replace(beam, damping=case.beam_damping)
-    return replace(device, beam=beam, contact=case.contact or device.contact)
+        device = with_beam(device, damping=case.beam_damping)
+    return replace(device, contact=case.contact or device.contact)

@@ -1,7 +1,6 @@
 """Follow every hard case with every model at many steps, and judge the runs."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import product
 
@@ -16,12 +15,11 @@ from snapmap.solver.options import Chosen
 from snapmap.solver.outcome import FAILED, label
 from snapmap.solver.settings import Run
 from snapmap.solver.steps import stability_limit
-from snapmap.study.variables import flags, variables
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 from ..common import bending_limit, stepped
 from .cases import APART, CASES, MODELS, Case, changed
-from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, VERDICTS, Runs, judge, snap_shift
+from .verdicts import LEFT_OUT, NO_RUNS, REFUSED, Runs, judge, snap_shift
 
 STEPS = (0.2, 0.4, 0.6, 0.8, 0.9, 1.0, 1.05)
 FINE_STEPS = (0.1, 0.075)
@@ -30,27 +28,6 @@ SEARCHED = (300.0, 3000.0)
 BUDGET = 18.0
 """Most time for all steps of a case, s, else only the default step runs; a case whose default step
 takes an eighth of it is left out."""
-VARIABLES = {
-    "limit": {"long_name": "stability limit of the time step", "units": "us"},
-    "outcome": {**variables("cube")["outcome"], "long_name": "outcome of the case's first cell"},
-    "energy_error": {
-        "long_name": "largest residual of an energy ledger over the gross work of the pulse",
-        "units": "1",
-        "comment": "inf: a run blew up; NaN: not run",
-    },
-    "snap_shift": {
-        "long_name": "largest difference of a believed snap time from the fine runs', over it",
-        "units": "1",
-        "comment": "NaN: there are none to compare",
-    },
-    "verdict": {"long_name": "verdict on the worst of the case's cells", **flags(VERDICTS)},
-    "step": {"long_name": "time step over the stability limit", "units": "1"},
-    "halvings": {
-        "long_name": "how often the default step was halved until every ledger closed",
-        "units": "1",
-        "comment": "-1: not run",
-    },
-}
 
 
 def measure(
@@ -58,39 +35,24 @@ def measure(
     cases: Sequence[Case] = CASES,
     models: Mapping[str, Chosen] = MODELS,
     steps: Sequence[float] = STEPS,
-    threads: int = 1,
 ) -> xr.Dataset:
     """Follow every case with every model at every step.
 
     models: by label; steps: shares of the stability limit
-    The variables default_* are those of a sweep, which takes the default step, and halves it if a
-    ledger does not close.
+    Over case, model and step are `outcome` of the first cell, and the worst of all cells:
+    `energy_error` (inf: blew up), `snap_shift` (relative), `verdict`. The variables default_* are
+    those of a sweep, which takes the default step, and halves it (`halvings`, -1: not run) if a
+    ledger does not close. `limit` is the stability limit, us.
     """
-    pairs = list(product(cases, models.values()))
-    with ThreadPoolExecutor(threads) as pool:
-        measured = list(pool.map(lambda pair: measure_pair(device, *pair, steps), pairs))
-    values = {key: np.array([pair[key] for pair in measured]) for key in measured[0]}
-    return dress(cases, models, steps, values)
-
-
-def dress(
-    cases: Sequence[Case],
-    models: Mapping[str, Chosen],
-    steps: Sequence[float],
-    values: Mapping[str, np.ndarray],
-) -> xr.Dataset:
-    """Make a dataset of values with axes and CF attributes.
-
-    values: by name, of all pairs of case and model, cases first, (pairs,) or (pairs, steps)
-    """
+    pairs = product(cases, models.values())
+    measured = [measure_pair(device, case, chosen, steps) for case, chosen in pairs]
     axes = {"case": [case.name for case in cases], "model": list(models), "step": list(steps)}
     data = {}
-    for name, column in values.items():
+    for name in measured[0]:
+        column = np.array([pair[name] for pair in measured])
         shape = (len(cases), len(models), *column.shape[1:])
-        dtype = float if column.dtype.kind == "f" else np.int8
-        attributes = VARIABLES[name.removeprefix("default_")]
-        data[name] = (tuple(axes)[: len(shape)], column.reshape(shape).astype(dtype), attributes)
-    return xr.Dataset(data, axes).assign_attrs(Conventions="CF-1.11", title="Hard cases")
+        data[name] = tuple(axes)[: len(shape)], column.reshape(shape)
+    return xr.Dataset(data, axes, {"title": "Hard cases"})
 
 
 def measure_pair(

@@ -13,7 +13,7 @@ from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.settings import STAY, Run
 from snapmap.solver.simd_loop import midpoints
 
-from ..common import few
+from ..common import few, with_beam
 from ..tables import Table
 
 N, F0 = np.linspace(600, 2400, 26), np.geomspace(100, 3e4, 16)
@@ -31,7 +31,7 @@ FREE |= {"damping": 4e-4}
 def followed_on(device: Device) -> str:
     """Make a table of how many cells settle, and how many of these leave their well later."""
     rows = []
-    tilting = replace(device, beam=replace(device.beam, **FREE))
+    tilting = with_beam(device, **FREE)
     beams = few({"guided": device, "free": tilting}).items()
     for (name, beam), contact in product(beams, few((40.0, np.inf))):
         models = [build_model(replace(beam, contact=contact), chosen) for chosen in few(MODELS)]

@@ -14,7 +14,6 @@ import yaml
 from small_studies import EVERY_PRODUCT, SHOTS, THREE_COSINES, changed
 from small_workflow import snakemake
 
-from snapmap.applications import gather
 from snapmap.config.study import load_config
 from snapmap.files.text import describe
 from snapmap.values.faults import Faults
@@ -114,7 +113,7 @@ def lines_of(document):
     try:
         with warnings.catch_warnings(action="error"):  # of what a fault leaves out
             study = load_config(document)
-        make_plan(study.grid, study.model, study.run, gather(lambda part: part.alone(study)))
+        make_plan(study)
     except Faults as error:
         lines = list(error.args)
     except ValueError as error:

@@ -25,7 +25,7 @@ from small_results import (
 )
 
 from snapmap.applications.boundary import figure as boundary
-from snapmap.figures import curves, maps, scales, style, thresholds
+from snapmap.figures import captions, curves, maps, scales, style, thresholds
 
 pytestmark = pytest.mark.usefixtures("paper")
 
@@ -71,7 +71,7 @@ def test_space_for_markers_is_a_little_of_an_axis_beyond_its_data():
     for key, values in (("temperature", [-40.0, 21.5, 125.0]), ("f0", [100.0, 400.0, 6400.0])):
         ax, scale = style.single_column(height=3).subplots(), scales.scale_of(key, np.array(values))
         scales.set_scale(ax, "x", scale)
-        scales.leave_space(ax, "x", scale)
+        scales.leave_space(ax, scale)
         at = ax.transAxes.inverted().transform
         ends = at(ax.transData.transform([[values[0], 0.5], [values[-1], 0.5]]))[:, 0]
         assert (0 < ends[0] < 0.04) and (0.96 < ends[1] < 1)
@@ -205,14 +205,14 @@ def test_figures_of_a_pushed_beam_count_its_force():
     device = {"beam": {}, "mass": "none", "force": "2.0 uN"}
     pushed = {"config": json.dumps(CONFIG | {"device": device})}
     two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
-    assert style.multiples(two) == "multiples of each force"
+    assert captions.multiples(two) == "multiples of each force"
     for gravity, unit in (
         ("9.81e-06", "$g$"),
         ("1e-06", "1\u00a0m/s²"),
         ("1.62e-06", "1.62\u00a0m/s²"),
     ):
         shaken = json.dumps({"device": {"beam": {}, "gravity": f"{gravity} um/us^2"}})
-        assert style.multiples({"config": shaken}) == f"multiples of {unit}"
+        assert captions.multiples({"config": shaken}) == f"multiples of {unit}"
     results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)
     ax = drawn(thresholds.draw_thresholds, results)
     assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"

@@ -14,7 +14,7 @@ from small_results import TINY, artists, legend_words, make_cells, make_found, v
 
 import snapmap
 from snapmap.config.points import Point, read_points
-from snapmap.figures import curves, maps, plane, scales, style
+from snapmap.figures import captions, curves, maps, plane, scales, style
 from snapmap.figures import states as S
 from snapmap.sweeps.cube import summary, with_summary
 
@@ -100,7 +100,7 @@ def test_a_cube_of_version_0_3_has_the_case_and_the_states_of_its_guide_and_star
     blank = EVERY.assign(well=xr.zeros_like(EVERY.well))
     old, new = (blank.assign_attrs(config=json.dumps(config)) for config in (old, new))
     words = "versed sine, beam free to tilt, starts in the second shape, followed 0.3 ms"
-    assert style.case(old.attrs) == style.case(new.attrs) == words
+    assert captions.case(old.attrs) == captions.case(new.attrs) == words
     xr.testing.assert_equal(S.end_states(old), S.end_states(new))
     assert (S.end_states(old) != S.end_states(blank)).any()
 

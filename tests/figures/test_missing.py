@@ -78,6 +78,7 @@ def on_axes(draw, *arguments, **options):
     return lambda data, figure: draw(figure.subplots(), data, *arguments, **options)
 
 
+UNITS = {"thickness": ("um", 1.0), "C": ("uN*us/um", 1.0)}
 FIGURES = {
     "snaps": ("cells", on_axes(maps.draw_map)),
     "times": ("cells", on_axes(maps.draw_map, shows="times")),
@@ -102,7 +103,7 @@ FIGURES = {
     "yield": ("tolerances", None),
     "calibration": ("calibration", lambda data, figure: draw_calibration(figure, data)),
     "margins": ("verdicts", lambda data, figure: draw_margins(figure.subplots(), rows_of(data))),
-    "window": ("window", lambda data, figure: draw_window(figure, data, "thickness", "C")),
+    "window": ("window", lambda data, figure: draw_window(figure, data, UNITS)),
 }
 
 
@@ -153,7 +154,7 @@ def test_a_figure_is_drawn_without_its_data_and_says_what_is_missing(made, monke
     data, saved = LOSSES[loss](made[kind]), []
     monkeypatch.setattr(style, "save", lambda figure, *_: saved.append(figure))
     if kind == "tolerances":  # its figures save themselves
-        draw_stem(name, data, data.attrs)
+        draw_stem(name, data)
     else:
         with style.saved(name, data.attrs, 3.4) as figure:
             draw(data, figure)

@@ -30,6 +30,7 @@ from snapmap.solver.nodal import nodal_system
 from snapmap.solver.options import Reference
 from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
 from snapmap.solver.settings import Run
+from snapmap.study.provenance import device_sections
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.values.faults import Faults
 
@@ -372,7 +373,8 @@ def test_a_solver_of_ones_own_has_a_threshold_whose_bar_covers_its_steps(handout
 def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
     axes, model = ([900.0], [F0], [3e4]), {"model": lambda cell, step: None}
     cube, edges = flat.sweep(handout, *axes, **model), flat.threshold(handout, *axes[1:])
-    text = page(cube, edges, 0.0)
+    shown = {"horizon": 0.0, "title": "", "pulse": {}, "required": ()}
+    text = page(cube, edges, shown | {"written": device_sections(handout)})
     assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text
 
 

@@ -20,7 +20,7 @@ def cheap(handout):
     cases = [case for case in CASES if case.name in SHORT]
     models = {name: MODELS[name] for name in ("3 cosines", "5 cosines")}
     models["reference"] = Reference(elements=2)
-    return measure(handout, cases, models, steps=(0.4, 1.0, 1.5), threads=2)
+    return measure(handout, cases, models, steps=(0.4, 1.0, 1.5))
 
 
 def test_nothing_goes_wrong_unseen(cheap):

@@ -83,7 +83,7 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     whole = document(thickness=["1.8 um", "1.9 um", "4 um"], not_bistable="skip")
     whole |= {"model": {"name": "cosines", "modes": 3}}
     study = load_config(whole)
-    slabs = make_plan(study.grid, study.model, study.run).slabs
+    slabs = make_plan(study).slabs
     sizes = [math.prod(map(len, slab.values())) for slab in slabs]
     assert len(slabs) > 4 and sum(sizes) == 96
     paths = [tmp_path / f"{slab_name(study, slab)}.nc" for slab in slabs]

@@ -52,26 +52,25 @@ def test_a_flipped_or_cut_file_is_named(product):
             open_whole(product)
 
 
-FIGURES = {"window": {"axes": {}}, "explore": {"horizon": 0}}
-READERS = dict.fromkeys(
-    [draw.draw_study, page.application.draw, stress.application.run, window.application.draw],
-    FIGURES,
-)
-READERS |= {
-    calibration.application.draw: FIGURES,
-    statics.application.draw: {"statics": {}},
-    tolerances.application.draw: FIGURES,
+READERS = {
+    draw.draw_study: ("cube", "threshold"),
+    page.application.draw: ("cube", "threshold"),
+    stress.application.run: (),
+    window.application.draw: ("window",),
+    calibration.application.draw: ("calibration",),
+    statics.application.draw: ("statics",),
+    tolerances.application.draw: ("tolerance",),
 }
+"""Functions of jobs, and the names of the files that those of figures read."""
 
 
 @pytest.mark.parametrize("reader", READERS)
 def test_every_job_names_a_damaged_product(product, tmp_path, reader):
     product.write_bytes(product.read_bytes()[:-500])
-    names = inspect.signature(reader).parameters
-    arguments = {name: product if name.endswith("_path") else () for name in names}
-    arguments |= {name: [product] for name in names if name.endswith("_paths")}
-    arguments |= {name: tmp_path / "made" for name in ("path", "folder") if name in names}
-    arguments |= {"figures": READERS[reader]} if "figures" in names else {}
+    given = {"views": {"own_points": ()}, "figures": {"any": {}}, "cube_path": product}
+    given |= {"files": dict.fromkeys(READERS[reader], str(product))}
+    given |= dict.fromkeys(("path", "folder"), tmp_path / "made")
+    arguments = {name: given.get(name, ()) for name in inspect.signature(reader).parameters}
     with pytest.raises(ValueError, match=r"^/.*product\.nc: is damaged"):
         reader(**arguments)
     assert [*tmp_path.iterdir()] == [product]

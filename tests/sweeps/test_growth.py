@@ -1,6 +1,7 @@
 """A grid that grows: what is known is kept, and the cut leaves no trace in the results."""
 
 import itertools
+from dataclasses import replace
 
 import flat
 import numpy as np
@@ -37,7 +38,7 @@ def study(N, f0, C=(25.0,), model="cosines"):
 
 
 def cut(whole):
-    return make_plan(whole.grid, whole.model, whole.run).slabs
+    return make_plan(whole).slabs
 
 
 def seconds(slab):
@@ -153,11 +154,11 @@ def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeyp
     one = study([1], [1000])
     grid = one.grid._replace(axes=one.grid.axes | most)
     with pytest.raises(ValueError, match=r"^sweep\.f0: up to "):
-        make_plan(grid, one.model, one.run)
+        make_plan(replace(one, grid=grid))
     grid.axes["N"] = np.arange(1e6 + 1)
     line = r"^sweep: 1e\+10 cells, more than 1e\+10; write fewer points$"
     with pytest.raises(ValueError, match=line):
-        make_plan(grid, one.model, one.run)
+        make_plan(replace(one, grid=grid))
 
 
 def test_slabs_of_other_code_and_broken_ones_are_not_used(tmp_path, followed):

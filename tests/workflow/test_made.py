@@ -18,7 +18,7 @@ def results(tmp_path, monkeypatch):
 def make(*names):
     for name in names:
         Path(name).write_text("made")
-    list_made("results", dict.fromkeys(names, "abc"))
+    list_made(dict.fromkeys(names, "abc"))
 
 
 def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):
@@ -28,14 +28,14 @@ def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):
     for path in users:
         path.write_text("mine")
     kept = {"results/cube.nc", "results/figures/map.png", "results/figures/new.png"}
-    (line,) = remove_others("results", kept)
+    (line,) = remove_others(kept)
     names, _, words = line.partition(": ")
     assert names.split(", ") == ["results/figures/window.png", "results/window.nc"]
     assert words == "removed, as the config no longer asks for them"
     assert not any(Path(name).exists() for name in names.split(", "))
     assert all(path.read_text() == "mine" for path in users)
     (results / "window.nc").write_text("mine")  # it was the pipeline's, and is so no longer
-    assert remove_others("results", kept) == []
+    assert remove_others(kept) == []
     assert (results / "window.nc").read_text() == "mine"
     listed = (results / LIST).read_text().splitlines()[1:]
     assert [line.partition("\t")[0] for line in listed] == sorted(kept)[:2]
@@ -43,13 +43,13 @@ def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):
 
 def test_many_are_named_in_one_line():
     make(*(f"results/figures/map_{number}.png" for number in range(9)))
-    (line,) = remove_others("results", ())
+    (line,) = remove_others(())
     assert line.count("results/") == 4 and ", 5 others: removed" in line
 
 
 def test_without_a_list_nothing_leaves(results):
     (results / "cube.nc").write_text("of an older version")
-    assert remove_others("results", ()) == []
+    assert remove_others(()) == []
     assert (results / "cube.nc").exists() and not (results / LIST).exists()
 
 
@@ -65,7 +65,7 @@ def test_a_foreign_list_removes_nothing(results, tmp_path, text):
     for path in (results / "cube.nc", Path("mine.txt")):
         path.write_text("mine")
     (results / LIST).write_bytes(text.replace(b"{}", str(tmp_path).encode()))
-    remove_others("results", ())
+    remove_others(())
     assert (results / "cube.nc").exists() and Path("mine.txt").exists()
 
 
@@ -80,7 +80,7 @@ def test_no_link_leads_a_list_out_of_its_folder(results, tmp_path):
     names = "out/secret", "back/secret", "out/../out/linked", "loop/a", "a\x1b[31m", "old.nc"
     lines = "\n".join(f"results/{name}" for name in names)
     (results / "made.txt").write_text(f"{HEAD}\n{lines}\n")
-    (line,) = remove_others("results", ())
+    (line,) = remove_others(())
     assert line.startswith("results/old.nc: removed")
     left = {path.name for path in elsewhere.iterdir()}
     assert left == {"secret", "linked"} and (results / "a\x1b[31m").exists()
@@ -90,7 +90,7 @@ def test_a_folder_of_results_may_be_a_link_itself(results, tmp_path):
     results.rename(scratch := tmp_path / "scratch")
     results.symlink_to(scratch)
     make("results/figures/window.png")
-    remove_others("results", ())
+    remove_others(())
     assert not (scratch / "figures" / "window.png").exists()
 
 
@@ -99,10 +99,10 @@ def test_what_cannot_be_removed_is_named_and_stays_listed(results):
     (results / "window.nc").unlink()
     (results / "window.nc").mkdir()
     line = "results/window.nc: from an older config, and cannot be removed"
-    assert [remove_others("results", ()) for _ in range(2)] == [[line]] * 2
+    assert [remove_others(()) for _ in range(2)] == [[line]] * 2
 
 
 def test_a_list_that_cannot_be_written_ends_no_run(results):
     (results / LIST).mkdir()
     make("results/cube.nc")
-    assert remove_others("results", ()) == [] and (results / "cube.nc").exists()
+    assert remove_others(()) == [] and (results / "cube.nc").exists()

@@ -133,7 +133,7 @@ def test_the_workflow_is_formatted(clone):
 def test_maps_are_panels_of_one_figure_each_and_single_on_request():
     def panels(**requested):
         figures = choose_views(load_config(yaml.safe_load(TINY) | requested)).maps
-        return {figure.name: [view["at"] for view in figure.panels] for figure in figures}
+        return {each["name"]: [view["at"] for view in each["panels"]] for each in figures}
 
     names = "snap_maps", "time_maps", "maps"
     assert [*panels().items()] == [(name, [{"C": 0}, {"C": 1}]) for name in names]
@@ -425,7 +425,7 @@ def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(root, clone, copied, mon
     assert counted(large)[0] == [cells, 0, cells], "it is on no list"
     numbers = code_hash(*(clone / path.relative_to(root) for path in NUMBERS), clone / JOBS)
     monkeypatch.chdir(folder)
-    list_made("results", {f"results/slabs/{name}.nc": hash_of(numbers, name)})
+    list_made({f"results/slabs/{name}.nc": hash_of(numbers, name)})
     cells, there, new = counted(large)[0]
     assert 0 < there < cells == there + new
 

@@ -156,7 +156,7 @@ def test_a_slab_asks_for_more_the_more_there_is_to_do(monkeypatch):
     def request(f0, points):
         axes = {"f0": [f0], "N": {"from": 600, "to": 20600, "points": points}, "C": ["1 kg/s"]}
         study = load_config(document | {"sweep": document["sweep"] | axes})
-        (request,) = make_plan(study.grid, study.model, study.run).requests
+        (request,) = make_plan(study).requests
         return request
 
     one, many, longer = request("100 Hz", 2), request("100 Hz", 200_000), request("10 Hz", 200_000)
@@ -185,7 +185,7 @@ def test_every_job_went_through_slurm_with_what_it_asked_for(remote):
     folder, jobs = remote
     assert all(job["JobState"] == "COMPLETED" and job["NodeList"] == "one" for job in jobs)
     study = load_config(yaml.safe_load(IN_SLABS))
-    plan = make_plan(study.grid, study.model, study.run)
+    plan = make_plan(study)
     names = [slab_name(study, slab) for slab in plan.slabs]
     assert {*names} == {path.stem for path in (folder / "results" / "slabs").glob("*.nc")}
     asked = {job["Comment"]: (job["NumCPUs"], job["MinMemoryNode"]) for job in jobs}

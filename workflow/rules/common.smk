@@ -14,7 +14,7 @@ def list_products(jobid):
     """List the products of a job, but of no study."""
     if jobs[jobid].rule.name not in STUDIES:
         paths = map(str, jobs[jobid].output)
-        list_made("results", {path: made_from[path] for path in paths})
+        list_made({path: made_from[path] for path in paths})
 
 
 def list_finished():
@@ -28,7 +28,7 @@ def remove_old_products():
     """Remove products of older configs; only a run of all results can tell which these are."""
     products = {str(path) for job in workflow.dag.jobs for path in job.output}
     if products.issuperset(results):
-        for line in remove_others("results", products):
+        for line in remove_others(products):
             print(line, file=sys.stderr)
 
 
@@ -99,16 +99,6 @@ def figures(caption):
     """List the files of the core's figures that share a caption."""
     about = f"../report/{caption}.rst", PARTS[caption]
     return [path for stem in views.stems[caption] for path in files_of(stem, *about)]
-
-
-def drawing_arguments(name):
-    """Give the figures of an application, and the other arguments of its function by name."""
-    part = attached()[name]
-    files = part.drawn_from(study).items()
-    paths = {
-        f"{key}_{'path' if isinstance(f, str) else 'paths'}": f for key, f in files
-    }
-    return drawing_of[name], paths | {"folder": part.saved_in}
 
 
 def is_drawn_with_the_study(name):

@@ -25,13 +25,16 @@ rule draw_study:
         mem_mb=memory(2000),
     params:
         document=constant(study.document()),
-        views={
-            kind: [view._asdict() for view in figures]
-            for kind, figures in views._asdict().items()
-        },
-        own_points=constant(list(study.own_points)),
+        views=constant(views._asdict()),
         applications=constant(
-            {name: drawing_arguments(name) for name in drawn_together}
+            {
+                name: (
+                    drawing_of[name],
+                    attached()[name].saved_in,
+                    attached()[name].drawn_from(study),
+                )
+                for name in drawn_together
+            }
         ),
         code=drawing,
     message:

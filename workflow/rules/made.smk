@@ -39,9 +39,9 @@ def force_others(wildcards):
 
 made_from, sources = plan_products()
 if workflow.is_main_process:
-    others = find_others("results", made_from)
+    others = find_others(made_from)
     if others:
-        print(say_why("results", others, study.document()), file=sys.stderr)
+        print(say_why(others, study.document()), file=sys.stderr)
         for maker in workflow.rules:
             if maker.name not in STUDIES:
                 maker.set_input(force_others)

@@ -25,41 +25,27 @@ from snapmap.workflow.alike import check_alike
 from snapmap.workflow.job_log import end_with, run_rule
 
 
-def draw_study(
-    cube_path,
-    threshold_path,
-    document,
-    views,
-    own_points,
-    applications,
-    folder,
-    threads,
-    watch,
-    stress_path="",
-):
+def draw_study(files, folder, document, views, applications, threads, watch):
     """Draw the figures that every study has, in one job, as its start takes longer than a figure.
 
+    files: paths of cube and thresholds, and of the largest stresses if beams have a strength
+    folder: where figures are saved; threads: number of processes
     document: of the study, as `Study.document` gives it, to which all that is read must belong
     views: figures by kind, as `products.Views` has them, in plain values
-    own_points: path and SHA-256 of a user's own points, and N of 1 g; or nothing
-    applications: figures of applications and the files behind them, by the names of their folders
-    folder: where figures are saved; threads: number of processes
+    applications: arguments of `draw` of applications, by the names of their folders
     watch: as of `run_rule`
-    stress_path: path of the largest stresses, if beams have a strength
     """
-    files = cube_path, threshold_path, stress_path
-    points = read_points(*own_points) if own_points else ()
+    points = read_points(*views["own_points"]) if views["own_points"] else ()
     with ExitStack() as opened:
-        products = {path: opened.enter_context(open_whole(path)) for path in filter(None, files)}
-        check_alike(products, document)
+        paths = [files[key] for key in ("cube", "threshold", "stress") if key in files]
+        check_alike({path: opened.enter_context(open_whole(path)) for path in paths}, document)
     of_thresholds = partial(_draw_thresholds, files, folder)
     tasks = [
         *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
         *(partial(of_thresholds, draw_thresholds, 2, view) for view in views["curves"]),
         *(partial(of_thresholds, draw_threshold_map, 1, view) for view in views["fields"]),
     ]
-    for name, (figures, paths) in applications.items():
-        tasks.append(partial(attached()[name].draw, figures=figures, **paths))
+    tasks += [partial(attached()[name].draw, *how) for name, how in applications.items()]
     side_by_side(tasks, threads, watch)
 
 
@@ -81,13 +67,12 @@ def side_by_side(tasks, processes, watch):
 @contextmanager
 def _opened(files):
     """Open cube and thresholds; stresses add their share of the strength to the cube."""
-    cube_path, threshold_path, stress_path = files
     with (
-        xr.open_dataset(cube_path) as cube,
-        xr.open_dataset(threshold_path) as thresholds,
-        xr.open_dataset(stress_path) if stress_path else nullcontext() as stress,
+        xr.open_dataset(files["cube"]) as cube,
+        xr.open_dataset(files["threshold"]) as thresholds,
+        xr.open_dataset(files["stress"]) if "stress" in files else nullcontext() as stress,
     ):
-        if stress_path:
+        if stress is not None:
             share = stress.stress_max / stress.strength
             numbers = {key: cube[key] for key in share.dims if cube[key].dtype.kind == "f"}
             cube = cube.assign(stress_share=share.reindex(numbers, method="nearest"))

@@ -41,8 +41,8 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     scatters = Tolerances({"thickness": 0.05}, samples=32)
     made = tolerances_of(study, {"C": [25.0], "f0": [1000.0]}, scatters, required)
     sections = device_sections(device)["device"] | {"mass": "10 mg", "quality_factor": 94}
-    how = {"made": made, "title": "Crash sensor, 2026", "damper": ("mN*s/m", 1000.0)}
-    text = datasheet(study, [row], {"device": sections}, required, **how)
+    source = {"title": "Crash sensor, 2026", "device": sections}
+    text = datasheet(study, [row], source, required, made, ("mN*s/m", 1000.0))
 
     shock, degrees, C, required, threshold, spread, margin, end, met, *strength = row_of(
         text, "drop, does not trip"
@@ -95,13 +95,13 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
         rows.append(verdict._asdict() | moved._asdict() | survival._asdict())
         rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
     source = {
+        "device": {"mass": "10 mg"},
         "pulse": {"direction": "both"},
         "run": {"until": "snap"},
         "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
         "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
     }
-    written = {"device": {"mass": "10 mg"}}
-    text = datasheet(study, rows, written, required[:1], source=source)
+    text = datasheet(study, rows, source, required[:1])
     lines = [line for line in text.splitlines() if ", does not trip" in line]
     assert len(lines) == len(rows) == 12
     assert [line.split(",")[0] for line in lines] == ["| hit"] * 8 + ["| bump"] * 4
@@ -123,4 +123,4 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
         "devices as made: samples": "32",
     }.items():
         assert row_of(text, name) == [value]
-    assert datasheet(study, rows, written, required[:1], source=source) == text
+    assert datasheet(study, rows, source, required[:1]) == text

@@ -49,22 +49,30 @@ REQUIRED = [
 ]
 
 
+def shown_of(cube, **more):
+    """What the page shows beside a cube."""
+    config = json.loads(cube.attrs["config"])
+    written = config.get("devices") or {"device": config["device"]}
+    shown = {"written": written, "horizon": SETTINGS.horizon}
+    return shown | {"title": "", "pulse": {}, "required": ()} | more
+
+
 def write_text(path, cube, **more):
-    path.write_text(page(cube, edges_of(cube), SETTINGS.horizon, **more), encoding="utf-8")
+    path.write_text(page(cube, edges_of(cube), shown_of(cube, **more)), encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
 def page_file(cube, tmp_path_factory):
     """The page of the small cube, written by the rule's own function."""
     folder = tmp_path_factory.mktemp("a page")
-    paths = [folder / f"{name}.nc" for name in ("cube", "threshold")]
-    for dataset, path in zip((cube, edges_of(cube)), paths, strict=True):
+    files = {name: folder / f"{name}.nc" for name in ("cube", "threshold")}
+    for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
-    paths.append(folder / "requirements.csv")
-    paths[-1].write_text(VERDICTS)
-    drawing = {"horizon": SETTINGS.horizon, "title": "Crash sensor A", "required": REQUIRED}
-    application.draw({"explore": drawing}, folder, *paths)
-    assert sorted(folder.iterdir()) == sorted([*paths, folder / "explore.html"])
+    files["requirements"] = folder / "requirements.csv"
+    files["requirements"].write_text(VERDICTS)
+    drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED)
+    application.draw({"explore": drawing}, folder, files)
+    assert sorted(folder.iterdir()) == sorted([*files.values(), folder / "explore.html"])
     return folder / "explore.html"
 
 

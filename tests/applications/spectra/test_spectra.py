@@ -53,7 +53,7 @@ def test_the_spectrum_of_a_half_sine_is_that_of_another_method():
 
 
 def test_a_record_meets_its_spectrum_as_another_method_sees_it():
-    f = frequencies(100.0, 4000.0)
+    f = frequencies(CRASH)
     assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
     drawn = record(check_points(CRASH), [1, 0])
     spectrum = spectrum_by_states(*samples(drawn), f)
@@ -67,7 +67,7 @@ NOTCH = [(150.0, 80.0), (600.0, 900.0), (840.0, 180.0), (1200.0, 900.0), (4000.0
 
 
 def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
-    f, duration = frequencies(150.0, 4000.0), []
+    f, duration = frequencies(NOTCH), []
     for number in range(3):
         drawn = record(check_points(NOTCH), [7, number])
         spectrum = spectrum_by_states(*samples(drawn), f)
@@ -105,7 +105,7 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
         for by in (1.0, 0.25, 4.0)
         for must in (False, True)
     ]
-    rows = [row for one in asked for row in check_spectrum(study, one, [25.0], records=2)]
+    rows = [row for one in asked for row in check_spectrum(study, one, [25.0], [20.0], 2)]
     for row, end in zip(rows, (first, last + 1), strict=False):
         bar = row.N_first - row.N_error, row.N_first + row.N_error
         assert bar == (FACTORS[end - 1], FACTORS[end])
@@ -113,7 +113,7 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
     both = replace(asked[0], direction="both")
-    both = check_spectrum(study, both, [25.0], [20.0], records=2)
+    both = [*check_spectrum(study, both, [25.0], [20.0], 2)]
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
     assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
 

@@ -164,8 +164,11 @@ def colour_at(ax, *point):
     return to_hex(within[-1].get_facecolor()[0]) if within else None
 
 
-def drawn_window(window, units=()):
-    figure.draw_window(page := style.double_column(4), window, "spring", "C", dict(units))
+INTERNAL = {"spring": ("N/m", 1.0), "C": ("uN*us/um", 1.0)}
+
+
+def drawn_window(window, units=INTERNAL):
+    figure.draw_window(page := style.double_column(4), window, units)
     return page.axes
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..solver.models import Follows
     from ..solver.settings import Run
     from ..study.study import Study
+else:
+    Config = Any  # itself it imports the applications
 
 Files = Mapping[str, str | list[str]]
 """Path, or paths, of files by name."""
@@ -56,6 +58,8 @@ class Application:
         heading of its figures in the report; their caption is caption.rst
     saved_in, endings
         folder of its figures, and the endings of the files that each of them is
+    size
+        height of its figures, in, and over how many columns of a page they go
     """
 
     rule: str = ""
@@ -67,6 +71,7 @@ class Application:
     part: str = ""
     saved_in: str = "results/figures"
     endings: tuple[str, ...] = ("png", "pdf")
+    size: tuple[float, int] = (3.6, 2)
 
     # What a config asks of it.
 
@@ -183,10 +188,26 @@ class Application:
         """The figures that a run draws."""
         return self.figures(study) if self.drawn_from(study) else {}
 
-    def draw(self, *args: Any, **kwargs: Any) -> None:
-        """Draw the figures.
+    def draw(self, figures: Figures, folder: str, files: Files) -> None:
+        """Draw and save the figures, all from one file, or each from a file of its own.
 
-        An application takes `figures`, the `folder` where they are saved, and NAME_path (NAME_paths
-        of several) of what it draws from.
+        files: as `drawn_from` names them
+        """
+        from ..figures import style
+        from ..study.netcdf import open_whole
+
+        (paths,) = files.values()
+        paths = [paths] * len(figures) if isinstance(paths, str) else paths
+        for (name, how), path in zip(figures.items(), paths, strict=True):
+            with (
+                open_whole(path) as data,
+                style.saved(f"{folder}/{name}", data.attrs, *self.size) as figure,
+            ):
+                self.draw_one(figure, data, **how)
+
+    def draw_one(self, *args: Any, **kwargs: Any) -> None:
+        """Draw one figure.
+
+        An application takes the empty figure, the dataset, and what `figures` says of it by name.
         """
         raise NotImplementedError

@@ -15,7 +15,7 @@ from ..files.text import describe
 from ..solver.options import Model
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
 from ..study.axes import COORDINATES, KIND_OF
-from ..values.kinds import Kind, Several
+from ..values.kinds import Several, Word
 from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
 from ..values.records import record, row_of_kinds
 from .devices import DeviceSection
@@ -29,27 +29,18 @@ OF_SNAKEMAKE = "threads"
 """The value of a run that no config has."""
 
 
-class AxisName(Kind):
+class AxisName(Word):
     """The name of an axis of a figure."""
 
-    def __init__(self, *but):
-        """Take all of AXES, but some."""
-        self.names = [name for name in AXES if name not in but]
-        self.need = f"the name of an axis{' other than '.join(['', *but])}"
-
-    def read(self, value: object) -> str:
-        """Read the name of an axis."""
-        if not isinstance(value, str) or value not in self.names:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return value
-
-    def schema(self) -> dict:
-        """Describe the names."""
-        return {"enum": self.names}
+    @property
+    def need(self) -> str:
+        """What is right, in words that follow "is not"."""
+        return f"the name of an axis{'' if 'N' in self.words else ' other than N'}"
 
 
-Axis = TypeAliasType("Axis", Annotated[str, AxisName()])
-AxisOfThresholds = TypeAliasType("AxisOfThresholds", Annotated[str, AxisName("N")])
+Axis = TypeAliasType("Axis", Annotated[str, AxisName((*AXES,))])
+OF_THRESHOLDS = AxisName((*AXES[:-1],))
+AxisOfThresholds = TypeAliasType("AxisOfThresholds", Annotated[str, OF_THRESHOLDS])
 
 
 @record
@@ -197,10 +188,5 @@ def _dampers(written, sweep, several):
     return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}
 
 
-def _document():
-    """Make the record of the whole config: sections of the core and of all applications."""
-    sections = gather(lambda application: application.section())
-    return row_of_kinds("Document", sections, Core)
-
-
-Document = _document()
+Document = row_of_kinds("Document", gather(lambda part: part.section()), Core)
+"""The whole config: sections of the core and of all applications."""

@@ -1,5 +1,6 @@
 """Kinds of text in a config: titles, paths, and amplitudes of a shape."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from typing_extensions import TypeAliasType
@@ -30,6 +31,19 @@ class TitleKind(Kind):
 Title = TypeAliasType("Title", Annotated[str, TitleKind()])
 
 
+def read_each(kind: Kind, items: Sequence) -> list:
+    """Read the items of a list; Faults, which begin with the place of each."""
+    values, faults = [], []
+    for place, item in enumerate(items):
+        try:
+            values.append(kind.read(item))
+        except ValueError as error:
+            faults.append(f"[{place}]: {error}")
+    if faults:
+        raise Faults(*few(faults))
+    return values
+
+
 class AmplitudesKind(Kind):
     """Amplitudes of cosines."""
 
@@ -39,15 +53,7 @@ class AmplitudesKind(Kind):
         """Read a list of numbers."""
         if not isinstance(value, list | tuple) or not 0 < len(value) <= len(COSINES) + 1:
             raise ValueError(f"{describe(value)} is not {self.need}")
-        kind, amplitudes, faults = Quantity("a plain number", "", "0.1", "(-inf, inf)"), [], []
-        for place, item in enumerate(value):
-            try:
-                amplitudes.append(kind.read(item))
-            except ValueError as error:
-                faults.append(f"[{place}]: {error}")
-        if faults:
-            raise Faults(*few(faults))
-        return amplitudes
+        return read_each(Quantity("a plain number", "", "0.1", "(-inf, inf)"), value)
 
     def schema(self) -> dict:
         """Describe a list of numbers."""

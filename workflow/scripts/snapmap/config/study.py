@@ -88,11 +88,6 @@ class Config(Study):
         """Give the study with the settings by which all functions but `sweep` follow cells."""
         return replace(self, run=self.run.but(until="settled", repeat=True))
 
-    @property
-    def has_strength(self) -> bool:
-        """Whether a beam may break."""
-        return any(device.strength < np.inf for device in self.devices().values())
-
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that the config names, as it was read, by path."""
         recorded = {self.shock["file"]: self.shock["sha256"]} if "file" in self.shock else {}
@@ -136,11 +131,8 @@ def _convert(source, renamed):
 
     def views(name, y):
         def read(view):
-            return (
-                view.x,
-                getattr(view, y),
-                read_places(view.x, getattr(view, y), view.at, grid.axes),
-            )
+            axes = view.x, getattr(view, y)
+            return *axes, read_places(*axes, view.at, grid.axes)
 
         sections = getattr(parts, name)
         return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]

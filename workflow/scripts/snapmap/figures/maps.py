@@ -16,7 +16,7 @@ from ..study.axes import axis_behind
 from ..sweeps.cube import require_codes, require_cube
 from ..values.kinds import Fitting
 from ..values.quantities import Truth
-from . import plane, states, style
+from . import captions, plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import LABELS, place_text, scale_of, tick
 
@@ -45,10 +45,11 @@ def draw_map(
         the beam ends, and how sure that is
     """
     look = _time_look([cells]) if shows == "times" else {}
-    field, names = _fill_map(ax, cells, thresholds, x, y, required_shocks, own_points, shows, look)
+    panel = cells, thresholds, required_shocks
+    field, names = _fill_map(ax, panel, x, y, own_points, shows, look)
     ax.set_title(place_text(cells, style.signs(ax, "axes.titlesize")))
     width = style.signs(ax.get_figure())
-    words = [style.case(cells.attrs, width), _numbered(names, width)]
+    words = [captions.case(cells.attrs, width), _numbered(names, width)]
     style.engine_of(ax.get_figure())  # as for `plane.colour_bar`
     _add_time_bar(ax.get_figure(), ax, field, look)
     style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
@@ -81,31 +82,28 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _dataset(need, *variables):
-    """Make the kind of a dataset that has some variables."""
+def _object(made, need, fits):
+    """Make the kind of an object of a class that fits."""
 
-    def fit(value):
-        if not isinstance(value, xr.Dataset) or not {*variables} <= {*value}:
+    def take(value):
+        if not fits(value):
             raise ValueError(f"{show(value)} is not {need}")
         return value
 
-    return Annotated[xr.Dataset, Fitting(need, fit)]
+    return Annotated[made, Fitting(need, take)]
 
 
-def _take_axes(value):
-    if not hasattr(value, "get_xlim"):
-        raise ValueError(f"{show(value)} is not Axes of matplotlib")
-    return value
+def _dataset(need, *variables):
+    fits = lambda value: isinstance(value, xr.Dataset) and {*variables} <= {*value}  # noqa: E731
+    return _object(xr.Dataset, need, fits)
 
 
 CELLS = "a cube, as sweep and open_cube return it"
 Cube = TypeAliasType("Cube", _dataset(CELLS, "outcome", "t_snap"))
-Thresholds = TypeAliasType(
-    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-)
-MatplotlibAxes = TypeAliasType(
-    "MatplotlibAxes", Annotated[Axes, Fitting("Axes of matplotlib", _take_axes)]
-)
+OF_THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+Thresholds = TypeAliasType("Thresholds", OF_THRESHOLDS)
+OF_AXES = _object(Axes, "Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
+MatplotlibAxes = TypeAliasType("MatplotlibAxes", OF_AXES)
 
 
 def plot_outcome(
@@ -169,7 +167,7 @@ def plot_outcome(
         )
     shows = "ends" if ends else "snaps"
     axes = ax or style.notebook_axes()
-    _fill_map(axes, cells, thresholds, x, y, shows=shows)
+    _fill_map(axes, (cells, thresholds, ()), x, y, (), shows)
     if ax:  # in axes of the user's own size there is little room
         _remove_durations(ax)
     axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
@@ -222,10 +220,9 @@ def draw_maps(
             ax.remove()
             axes.flat[place] = None
             continue
-        data, thresholds, shocks = panels[place]
-        field, named = _fill_map(ax, data, thresholds, x, y, shocks, own_points, shows, look)
+        field, named = _fill_map(ax, panels[place], x, y, own_points, shows, look)
         fields, names = [*fields, field], names | named
-        ax.set_title(place_text(data.drop_vars(shared), 110 // columns))
+        ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
         beside = figure.supylabel(ax.get_ylabel(), size="medium")
         ax.set_ylabel("")
         ax.tick_params(axis="y", labelleft=place % columns == 0)
@@ -234,8 +231,8 @@ def draw_maps(
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
             _remove_durations(ax)
-    words = place_text(first.drop_vars({*first.coords} - {*shared}), style.PAGE)
-    words = [words, style.case(first.attrs), _numbered(names, style.PAGE)]
+    words = place_text(first.drop_vars({*first.coords} - {*shared}), captions.PAGE)
+    words = [words, captions.case(first.attrs), _numbered(names, captions.PAGE)]
     drawn = axes.flat[: len(panels)]
     keys = _keys(cells, drawn, shows)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
@@ -274,9 +271,12 @@ def _remove_durations(ax):
         top.remove()
 
 
-def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snaps", look=None):
-    """Draw a map; returns its field of times, or None, and the names of its shocks by number."""
-    cells = plane.thin(cells, x, y)
+def _fill_map(ax, panel, x, y, own_points, shows, look=None):
+    """Draw a map; returns its field of times, or None, and the names of its shocks by number.
+
+    panel: cells, thresholds or None, and required shocks
+    """
+    cells, thresholds, shocks = plane.thin(panel[0], x, y), *panel[1:]
     across = plane.open_plane(ax, cells, x, y)
     shown, classify = states.SHOWN[shows]
     codes = classify(cells)
@@ -305,7 +305,7 @@ def _fill_map(ax, cells, thresholds, x, y, shocks=(), own_points=(), shows="snap
 
 def _numbered(names, width):
     """Write the numbers of shocks with their names, in lines of so many signs."""
-    return style.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
+    return captions.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
 def _keys(panels, axes, shows):

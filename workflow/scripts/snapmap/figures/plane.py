@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from ..config.points import Point
-from . import style
+from . import captions, style
 from .scales import Scale, cells_of, set_scale, study_axis, value_text
 from .states import State
 
@@ -141,7 +141,7 @@ def number_shocks(
     for number, (name, f0, N, is_of_map) in enumerate(shocks, start=1):
         if not is_of_map:
             continue
-        names[number] = style.literal(name)
+        names[number] = captions.literal(name)
         place = np.array([_place(x, f0), N])
         low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
         inside = np.clip(place, low, high)
@@ -158,7 +158,7 @@ def draw_points(ax: Axes, x: str, points: Sequence[Point]) -> None:
         place, face = (_place(x, point.f0), point.N), TRIPPED[point.snapped]
         ax.plot(*place, label=POINT_WORDS[point.snapped], markerfacecolor=face, **POINT)
         if point.name and len(points) <= NAMED:
-            ax.annotate(style.literal(point.name), place, **NAME)
+            ax.annotate(captions.literal(point.name), place, **NAME)
 
 
 def _place(x, f0):

@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..files.text import plain
 from ..study.axes import DURATION, KIND_OF
 from ..values.units import spelling
-from . import style
+from . import captions
 
 NONE = MappingProxyType({})
 """The attributes of a dataset without any."""
@@ -121,12 +121,12 @@ def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] 
         tick(axis, ends[0], ends[-1], scale.is_log)
 
 
-def leave_space(ax: Axes, which: str, scale: Scale) -> None:
-    """Leave some space for markers at both ends of an axis, "x" or "y", that has several values."""
+def leave_space(ax: Axes, scale: Scale) -> None:
+    """Leave some space for markers at both ends of a horizontal axis that has several values."""
     if scale.places.size > 1 and not scale.is_counted:
         low, high = np.log(scale.places[[0, -1]]) if scale.is_log else scale.places[[0, -1]]
         ends = np.array([low, high]) + SPACE * (high - low) * np.array([-1, 1])
-        ax.set(**{f"{which}lim": np.exp(ends) if scale.is_log else ends})
+        ax.set_xlim(np.exp(ends) if scale.is_log else ends)
 
 
 def tick_values(axis: Axis, places: np.ndarray, values: np.ndarray) -> None:
@@ -165,7 +165,7 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     attributes: attributes of the dataset, whose config says what N counts
     unit: spelling of the unit in a config; by default the internal unit
     """
-    own = style.multiples(attributes) if key == "N" else unit_of(key)
+    own = captions.multiples(attributes) if key == "N" else unit_of(key)
     unit = spelling(unit).figures or own
     label = LABELS[key]
     return f"{label} ({unit})" if unit else label
@@ -209,7 +209,7 @@ def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
 def place_text(data: xr.Dataset, width: int = 50) -> str:
     """Typeset the place of a dataset on axes of a single value, in lines of `width` signs."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
-    return style.fill((value_text(key, data[key].item()) for key in alone), width)
+    return captions.fill((value_text(key, data[key].item()) for key in alone), width)
 
 
 def number(value: float | str, digits: int = 4) -> str:

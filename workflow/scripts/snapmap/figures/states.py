@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 
 from ..config.renamed import config_of
 from ..solver.outcome import WHOLE_SWING, ended_elsewhere
-from . import style
+from . import captions
 
 
 class State(NamedTuple):
@@ -62,7 +62,7 @@ def end_states(cells: xr.Dataset) -> xr.DataArray:
     """
     is_one_of = _outcomes(cells)
     settled = is_one_of["never"] | is_one_of["returned"] | is_one_of["latched"]
-    starts = style.starts(config_of(cells.attrs))
+    starts = captions.starts(config_of(cells.attrs))
     tripped = (cells.well == 2) | ((cells.well == 0) & (cells.t_snap.notnull() ^ bool(starts)))
     crossing = (cells.well != 0) & ~(cells.well_share >= WHOLE_SWING)
     rest = xr.where(settled, REST_SETTLED, REST_SEEN)

@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from . import curves, plane, scales, style
+from . import captions, curves, plane, scales, style
 
 DOUBTFUL = 0.01
 """Share of the threshold above which error bars are marked."""
@@ -30,7 +30,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     """
     surface = curves.some_lines(surface, x, lines)
     scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
-    scales.leave_space(ax, "x", scale)
+    scales.leave_space(ax, scale)
     _set_ends(ax, surface)
     # The limit of long pulses is no bound if a mass has a run-up, or if there is no such limit.
     if (surface.N_first.notnull() & ~(surface.N_first >= surface.N_static)).any():
@@ -101,7 +101,7 @@ def title(surface: xr.Dataset, width: int) -> str:
     symbols = [f"$C$ in {scales.unit_of('C')}"] if "C" in surface.dims else []
     if v.ndim < 2 and v.notnull().any():  # as it stands in the keys
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
-    words = [style.case(surface.attrs, width), scales.place_text(surface, width)]
+    words = [captions.case(surface.attrs, width), scales.place_text(surface, width)]
     return "\n".join(filter(None, [*words, "; ".join(symbols)]))
 
 
@@ -129,12 +129,12 @@ def draw_threshold_map(ax: Axes, surface: xr.Dataset, x: str, y: str) -> Axes:
     crosses["label"] = f"error bar above {100 * DOUBTFUL:g} %"
     keys = ax.plot(across[0].places[i], across[1].places[j], **crosses) if i.size else []
     ax.set_title(scales.place_text(surface))
-    words = [style.case(surface.attrs, style.signs(ax.get_figure()))]
+    words = [captions.case(surface.attrs, style.signs(ax.get_figure()))]
     known = 100 * relative[np.isfinite(relative)]
     if known.size:
         middle, most = (scales.number(error, 2) for error in (np.median(known), known.max()))
         words.append(f"error bars: median {middle} %, largest {most} %")
-    counted = style.multiples(surface.attrs)
+    counted = captions.multiples(surface.attrs)
     plane.colour_bar(ax, field, f"threshold: lowest $N$ that snaps ({counted})")
     style.legend(ax, keys, "\n".join(filter(None, words)), 2)
     return ax

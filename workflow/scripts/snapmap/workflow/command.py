@@ -75,7 +75,7 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
-        from ..applications import attached, gather, refuse_all
+        from ..applications import refuse_all
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
@@ -84,9 +84,7 @@ def check(config: Path) -> None:
     from .plan import make_plan
 
     study = load_config(read_document(config))
-    alone = gather(lambda part: part.alone(study))
-    observing = [part.observing for part in attached().values()]
-    plan = make_plan(study.grid, study.model, study.run, alone, observing)
+    plan = make_plan(study)
     refuse_all(study)
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)

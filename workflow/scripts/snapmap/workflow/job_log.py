@@ -16,7 +16,7 @@ from threading import Thread
 from ..files.counting import counting
 from ..files.named import hold_to_plan
 from ..values.damper import INTERNAL, damper_in
-from .made import FOLDER, hold_to_list
+from .made import hold_to_list
 
 RUN = "SNAPMAP_RUN"
 """Name of the environment variable with the process number of a job's run."""
@@ -31,7 +31,8 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
     """Call a rule's function with those values of its job that have the names of its parameters.
 
     job: the `snakemake` object. Its values are wildcards and params; NAME_path, or NAME_paths, of
-        inputs and outputs; `path`, the first output, and its `folder`; the number of `threads`
+        inputs and outputs; `files`, the inputs by name; `path`, the first output, and its `folder`;
+        the number of `threads`
     code_of: gives the hash of the code by what it does; it must be the plan's, before and after
     study_of: makes `study` of the run's config and threads
     A function that takes `watch` calls it once it has forked, as no thread outlives a fork.
@@ -39,6 +40,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
     first = Path(job.output[0])
     threads = max(1, job.threads)
     values = {"path": str(first), "folder": first.parent, "threads": threads}
+    values["files"] = dict(job.input.items())
     values |= {**dict(job.wildcards.items()), **dict(job.params.items())}
     for name, files in [*job.input.items(), *job.output.items()]:
         values[f"{name}_path" if isinstance(files, str) else f"{name}_paths"] = files
@@ -50,7 +52,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
         watch()
     with job_log(job.log[0]), _counted(job.log[0]):
         hold_to_plan(code_of())
-        hold_to_list(FOLDER, job.input)
+        hold_to_list(job.input)
         if "study" in wanted:
             values["study"] = study_of(job.config, threads)
         unit = values["study"].unit_of_C if "study" in wanted else INTERNAL

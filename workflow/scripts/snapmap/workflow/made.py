@@ -11,15 +11,15 @@ from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
 
-from ..files.atomic import fingerprint, replacing
+from ..files.atomic import fingerprint, write_text
 from ..files.text import show
 from ..study.provenance import DRAWS, NUMBERS, code_hash
 
 FOLDER, SLABS = "results", "results/slabs/"
 """The folder of results, and that of slabs, which stay, as a grid may grow again."""
 LIST = "made.txt"
-"""Name of the list in the folder of results: HEAD, then a line for each file. It has the path, the
-hash of what the file was made from, and that of its content, between tabs."""
+"""Name of the list in the folder: HEAD, then a line for each file. It has the path, the hash of
+what the file was made from, and that of its content, between tabs."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
@@ -34,41 +34,41 @@ def hash_of(*sources: object) -> str:
     return blake2b(text.encode(), digest_size=6).hexdigest()
 
 
-def list_made(folder: str, files: Mapping[str, str]) -> None:
-    """Add files that a job has made below a folder to the folder's list.
+def list_made(files: Mapping[str, str]) -> None:
+    """Add files that a job has made to the list.
 
     files: hash of what each was made from, by path
     """
     made = {name: (made_from, fingerprint(name)) for name, made_from in files.items()}
-    _write(folder, _read(folder) | made)
+    _write(_read() | made)
 
 
-def forget(folder: str, files: Collection[str]) -> None:
-    """Take files that are to be made again off the folder's list."""
-    listed = _read(folder)
+def forget(files: Collection[str]) -> None:
+    """Take files that are to be made again off the list."""
+    listed = _read()
     if not listed.keys().isdisjoint(files):
-        _write(folder, {name: listed[name] for name in listed if name not in files})
+        _write({name: listed[name] for name in listed if name not in files})
 
 
-def find_others(folder: str, plan: Mapping[str, str]) -> list[str]:
+def find_others(plan: Mapping[str, str]) -> list[str]:
     """Find the files of a plan that are there, but not as it would make them.
 
     plan: hash of what each is made from, by path
     """
-    listed, there = _read(folder), filter(os.path.isfile, plan)
+    listed, there = _read(), filter(os.path.isfile, plan)
     return [name for name in there if listed.get(name) != (plan[name], fingerprint(name))]
 
 
-def say_why(folder: str, others: Collection[str], document: Mapping) -> str:
+def say_why(others: Collection[str], document: Mapping) -> str:
     """Say in one line that others than a study's files are to be made again, and why.
 
     document: of the study, as `Study.document` gives it
     """
-    whole = [f"{folder}/{name}" for name in WHOLE if f"{folder}/{name}" in others]
+    whole = [f"{FOLDER}/{name}" for name in WHOLE if f"{FOLDER}/{name}" in others]
     why = next(filter(None, (_differs(name, document) for name in whole)), "")
-    listed = _read(folder)
+    listed = _read()
     if not why and any(name not in listed for name in others):
-        why = f"unknown to {folder}/{LIST}"
+        why = f"unknown to {FOLDER}/{LIST}"
     elif not why and any(listed[name][1] != fingerprint(name) for name in others):
         why = "changed since"
     return f"{_names(others)}: to be made again, as not of this study and code ({why or OTHERWISE})"
@@ -109,9 +109,9 @@ def _differ(key, asked, made):
     return f"{key} is {', not '.join(words)}"
 
 
-def hold_to_list(folder: str, files: Iterable[str]) -> None:
+def hold_to_list(files: Iterable[str]) -> None:
     """Raise ValueError, one line, if a file has changed since a run has made and listed it."""
-    listed = _read(folder)
+    listed = _read()
     for name in files:
         if name in listed and listed[name][1] != fingerprint(name):
             raise ValueError(f"{name}: has changed since it was made; run again to make it anew")
@@ -133,12 +133,12 @@ def mend_times(sources: Mapping[str, Collection[str]]) -> None:
             latest[source] = min(latest.get(source, latest[name]), latest[name])
 
 
-def remove_others(folder: str, kept: Collection[str]) -> list[str]:
-    """Remove the files that the list of a folder names, but for those in `kept`.
+def remove_others(kept: Collection[str]) -> list[str]:
+    """Remove the files that the list names, but for those in `kept`.
 
     No other file is touched. Returns lines on files that were removed, or cannot be removed.
     """
-    listed = _read(folder)
+    listed = _read()
     kept = {*kept, *(name for name in listed if name.startswith(SLABS))}
     others = [name for name in sorted(listed) if name not in kept and os.path.lexists(name)]
     for name in others:
@@ -146,7 +146,7 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
             Path(name).unlink()
     left = [name for name in others if os.path.lexists(name)]
     if listed.keys() - {*kept, *left}:
-        _write(folder, {name: listed[name] for name in listed if name in {*kept, *left}})
+        _write({name: listed[name] for name in listed if name in {*kept, *left}})
     lines = {
         "removed, as the config no longer asks for them": sorted({*others} - {*left}),
         "from an older config, and cannot be removed": left,
@@ -154,32 +154,30 @@ def remove_others(folder: str, kept: Collection[str]) -> list[str]:
     return [f"{_names(files)}: {words}" for words, files in lines.items() if files]
 
 
-def _read(folder):
+def _read():
     try:
-        text = Path(folder, LIST).read_text(encoding="utf-8", errors="replace")
+        text = Path(FOLDER, LIST).read_text(encoding="utf-8", errors="replace")
     except OSError:
         return {}
     head, *lines = text.splitlines() or [""]
     listed = {name: (*hashes,) for name, *hashes in (line.split("\t") for line in lines)}
     listed = {name: hashes if len(hashes) == 2 else ("", "") for name, hashes in listed.items()}
-    return {name: listed[name] for name in listed if head == HEAD and _is_below(folder, name)}
+    return {name: listed[name] for name in listed if head == HEAD and _is_below(name)}
 
 
-def _write(folder, listed):
-    # A file that a full disk keeps off the list is only made again.
-    with suppress(OSError), replacing(Path(folder, LIST)) as temporary:
-        lines = ("\t".join([name, *listed[name]]).rstrip() for name in sorted(listed))
-        text = "\n".join([HEAD, *lines, ""])
-        Path(temporary).write_text(text, encoding="utf-8")
+def _write(listed):
+    lines = ("\t".join([name, *listed[name]]).rstrip() for name in sorted(listed))
+    with suppress(OSError):  # a file that a full disk keeps off the list is only made again
+        write_text("\n".join([HEAD, *lines, ""]), Path(FOLDER, LIST))
 
 
-def _is_below(folder, name):
+def _is_below(name):
     """Tell whether a name is a file of the folder that no link within it leads out of."""
     path = Path(name)
-    if not name.isprintable() or path.parts[:1] != (folder,) or ".." in path.parts:
+    if not name.isprintable() or path.parts[:1] != (FOLDER,) or ".." in path.parts:
         return False
     real = Path(os.path.realpath(path.parent))
-    return path != Path(folder, LIST) and real.is_relative_to(os.path.realpath(folder))
+    return path != Path(FOLDER, LIST) and real.is_relative_to(os.path.realpath(FOLDER))
 
 
 def _names(files):

@@ -1,19 +1,17 @@
 """The plan of a study: the slabs of its grid, and what the job of each may cost."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
 from itertools import product
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
+from ..applications import attached, gather
+from ..config.study import Config
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..solver.options import Chosen
-from ..solver.settings import Run
-from ..study.axes import DEVICE, Grid
+from ..study.axes import DEVICE
 from ..sweeps.slabs import SINGLE, Slab, cells_in
 
 JOB_SECONDS = 30
@@ -47,19 +45,12 @@ class Plan(NamedTuple):
     seconds: float
 
 
-def make_plan(
-    grid: Grid,
-    model: Chosen,
-    settings: Run,
-    alone: Mapping[str, Sequence[float]] = MappingProxyType({}),
-    observing: Sequence[Callable] = (),
-) -> Plan:
-    """Cut a grid into regular slabs, along boundaries that do not move if the grid grows.
+def make_plan(study: Config) -> Plan:
+    """Cut the grid of a study into regular slabs, along boundaries that do not move if it grows.
 
-    alone: f0 (Hz) of cells that are followed beside the grid, by the key of the config behind them
-    observing: functions of model, cells and settings that give the time of an observer, s
     Raises ValueError, one line, for a model that cannot be built or a grid that takes too long.
     """
+    grid, settings = study.grid, study.run
     axes, cells = grid.axes, math.prod(map(float, grid.shape))
     if cells > MOST_CELLS:
         need = f"more than {MOST_CELLS:.0e}; write fewer points"
@@ -67,12 +58,12 @@ def make_plan(
     if axes["C"].size > MOST_SINGLE:
         need = f"at most {MOST_SINGLE}, as each gets a job"
         raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
-    dt, seconds = _expected(grid, model, settings, axes["f0"], observing)
+    dt, seconds = _expected(study, settings, axes["f0"])
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
-    moved = settings.but(until="moved")
+    alone, moved = gather(lambda part: part.alone(study)), settings.but(until="moved")
     for f0 in alone.values():
-        beside += _expected(grid, model, moved, np.array(f0), observing)[1].max(axis=0).sum()
+        beside += _expected(study, moved, np.array(f0))[1].max(axis=0).sum()
     if total + beside > MOST_SECONDS:
         key = "run.horizon" if settings.horizon * lowest > 1e6 else "sweep.f0"
         if beside > total:
@@ -87,7 +78,7 @@ def make_plan(
     cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
     if DEVICE in axes:
         cost = cost.max(axis=[*axes].index(DEVICE))
-    runs = _runs(axes, cost, model.name == "auto")
+    runs = _runs(axes, cost, study.model.name == "auto")
     # Many slabs share one copy of their N.
     parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []
@@ -140,13 +131,14 @@ def _halved(run, bits, share):
     return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 
-def _expected(grid, model, settings, f0, observing):
+def _expected(study, settings, f0):
     """Estimate the shortest time step, us, and the mean time of a cell, s, (devices, f0)."""
-    built = choose_model(grid.device, model, settings.start).levels[0]
+    grid = study.grid
+    built = choose_model(grid.device, study.model, settings.start).levels[0]
     device, pulse = np.arange(len(grid.device)), np.arange(len(grid.pulses))[:, np.newaxis]
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings)
-    for cost in observing:
-        seconds += cost(built, cells, settings)
+    for part in attached().values():
+        seconds += part.observing(built, cells, settings)
     return dt.min(), seconds.mean(axis=1)

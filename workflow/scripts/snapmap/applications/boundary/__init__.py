@@ -1,17 +1,12 @@
 """The damage boundary: thresholds over the velocity change.  Imports: core alone."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Boundary(Application):
-    part = "2 Thresholds"
+    part, size = "2 Thresholds", (3.6, 1)
 
     def drawn_from(self, study: Config) -> Files:
         """The thresholds."""
@@ -25,17 +20,11 @@ class Boundary(Application):
         views = choose_boundary(study.grid, nominal(study.device))
         return {view.name: {"lines": view.y, "at": view.at} for view in views}
 
-    def draw(self, figures: Figures, folder: str, threshold_path: str) -> None:
+    def draw_one(self, figure: Any, data: Any, lines: str, at: dict[str, int]) -> None:
         """Draw the damage boundary of each line."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
         from .figure import draw_damage_boundary
 
-        with open_whole(threshold_path) as thresholds:
-            for stem, view in figures.items():
-                with style.saved(f"{folder}/{stem}", thresholds.attrs, 3.6, columns=1) as figure:
-                    chosen = thresholds.isel(view["at"])
-                    draw_damage_boundary(figure.subplots(), chosen, view["lines"])
+        draw_damage_boundary(figure.subplots(), data.isel(at), lines)
 
 
 application = Boundary()

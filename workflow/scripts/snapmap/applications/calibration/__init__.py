@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..application import Application, Figures, Files
+from ..application import Application, Config, Figures, Files
 
 if TYPE_CHECKING:
-    from ...config.study import Config
     from ...pulse.pulse import Pulse
 
 
 class Calibration(Application):
     rule, message = "fit_calibration", "Estimate values of the device from measured shots"
-    part, threads, priority = "6 Devices as made", 4, 45
+    part, size, threads, priority = "6 Devices as made", (3.4, 2), 4, 45
 
     def section(self) -> tuple[Any, str]:
         """Shots and unknowns of a config."""
@@ -68,17 +67,11 @@ class Calibration(Application):
         """A figure of all shots."""
         return {"calibration": {}}
 
-    def draw(self, figures: Figures, folder: str, calibration_path: str) -> None:
+    def draw_one(self, figure: Any, data: Any) -> None:
         """Draw shots over the fitted threshold and its band, by shape and direction."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
         from .figure import draw_calibration
 
-        with (
-            open_whole(calibration_path) as dataset,
-            style.saved(f"{folder}/calibration", dataset.attrs, 3.4) as figure,
-        ):
-            draw_calibration(figure, dataset)
+        draw_calibration(figure, data)
 
 
 application = Calibration()

@@ -7,9 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import FigureBase
 
+from ...figures.captions import PAGE, literal
 from ...figures.plane import POINT, TRIPPED
 from ...figures.scales import WORDS, axis_label, number, scale_of, study_axis, tick, unit_of
-from ...figures.style import PAGE, labelled, legend, literal, note_missing
+from ...figures.style import labelled, legend, note_missing
 from ...numerics.statistics import DEVIATIONS
 
 THRESHOLD = {"color": "#d55e00", "linewidth": 1.0, "label": "fitted threshold"}

@@ -16,7 +16,7 @@ from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
 from ...pulse.recorded import read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 from ...study.axes import KIND_OF
-from ...values.units import numbers_in, plain_numbers, unit_of
+from ...values.units import numbers_in, unit_of
 
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
 """Columns of words in a table of shots, with the meanings of words; None accepts any word."""
@@ -95,7 +95,12 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
     for key, values in columns.items():
-        entries = [_entry(key, row, value) for row, value in enumerate(values.tolist(), 1)]
+        entries = []
+        for row, value in enumerate(values.tolist(), 1):
+            try:
+                entries.append(_entry(key, value))
+            except ValueError as error:
+                raise ValueError(f"shots, row {row}: {key}: {error}") from None
         kind = bool if key == "tripped" else float if key in SHOCKS else object
         columns[key] = np.array(entries, kind)
     return columns
@@ -114,31 +119,23 @@ def _without_units(key, column):
         raise ValueError(f"shots: {key}: {show(column)} {error}") from None
 
 
-def _entry(key, row, value):
+def _entry(key, value):
     """Convert a value of a column of shots, to a bool, text, or a number or NaN."""
     is_empty = value is None or value == "" or value != value
     if key == "tripped":
         word = value.strip().lower() if isinstance(value, str) else value
         if not isinstance(word, str | Number | np.bool_) or word not in ANSWERS:
-            raise ValueError(f"shots, row {row}: tripped: {show(value)} is not true or false")
+            raise ValueError(f"{show(value)} is not true or false")
         return ANSWERS[word]
     if key in SHOTS:
         return "" if is_empty else str(value)
     try:
         number = math.nan if is_empty else float(value)
     except (TypeError, ValueError, OverflowError):
-        number = _with_unit(key, row, value)
+        number = KIND_OF[key].take(value)  # text with a unit
     if not (is_empty or 0 < number < math.inf):
-        raise ValueError(f"shots, row {row}: {key}: {show(value)} is not a number above 0")
+        raise ValueError(f"{show(value)} is not a number above 0")
     return number
-
-
-def _with_unit(key, row, value):
-    """Convert text with a unit."""
-    try:
-        return KIND_OF[key].take(value)
-    except ValueError as error:
-        raise ValueError(f"shots, row {row}: {key}: {error}") from None
 
 
 def shots_from(table: str | Path | Mapping, shocks: Shocks, device: Device) -> Shots:
@@ -221,13 +218,9 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
     """
     if not 1 <= len(unknowns) <= MOST:
         raise ValueError(f"unknowns: has {len(unknowns)} values; write 1 to {MOST}")
-    for key, ends in unknowns.items():
-        pair, within = plain_numbers(ends), KIND_OF[key].bounds
-        if pair is None or pair.shape != (2,):
-            raise ValueError(f"unknowns: {key}: {show(ends)} is not a pair (low, high)")
-        low, high = pair
-        if not (within.holds(pair).all() and -math.inf < low < high < math.inf):
-            need = f" {within}".rstrip()
+    for key, (low, high) in unknowns.items():
+        if not -math.inf < low < high < math.inf:
+            need = f" {KIND_OF[key].bounds}".rstrip()
             raise ValueError(f"unknowns: {key}: {low:g} to {high:g} does not ascend{need}")
     if ("C" in unknowns) != (C is None):
         what = "missing; write it, or its range" if C is None else "is an unknown; leave it out"

@@ -1,14 +1,9 @@
 """A study as a data sheet.  Imports: histories, requirements, statics."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import Application, Files
+from ..application import Application, Config, Files
 from ..requirements import plain_shocks, shocks_of
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 
 class Datasheet(Application):
@@ -42,17 +37,8 @@ class Datasheet(Application):
 
         verdicts = read_verdicts(requirements_path)
         with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
-            sheet = datasheet(
-                study.of_thresholds(),
-                verdicts,
-                study.written,
-                shocks_of(study),
-                made=batches,
-                title=study.title,
-                damper=study.units.get("C", (study.unit_of_C, 1.0)),
-                source=study.source,
-            )
-            write_text(sheet, path)
+            what = study.of_thresholds(), verdicts, study.source, shocks_of(study), batches
+            write_text(datasheet(*what, study.units.get("C", (study.unit_of_C, 1.0))), path)
 
 
 application = Datasheet()

@@ -43,20 +43,17 @@ PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 def datasheet(
     study: Study,
     verdicts: Sequence[Mapping],
-    written: Mapping[str, Mapping],
+    source: Mapping,
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
-    title: str = "",
     damper: tuple[str, float] = (INTERNAL, 1.0),
-    source: Mapping | None = None,
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
     verdicts: rows of requirements.csv
-    written: sections of the devices by their names, with units, as the config has them
+    source: the config as the user has it
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
-    source: the config, whose hash, axes and tolerances stand on the sheets; None for none
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
@@ -64,6 +61,7 @@ def datasheet(
     head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
     head += ["of devices as made", "threshold over required", "the beam", "verdict"]
     head += ["strength over stress", "breaks"]
+    written = source.get("devices") or {"device": source["device"]}
     verdicts = [{**row, "C": row["C"] / size} for row in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
@@ -72,11 +70,12 @@ def datasheet(
         rows = sorted(of_device, key=badness, reverse=True)
         names = [*dict.fromkeys(row["requirement"] for row in rows)]
         rows.sort(key=lambda row: names.index(row["requirement"]))
-        heading = " of ".join(filter(None, ["# Data sheet", title, name if several else ""]))
+        heading = " of ".join(
+            filter(None, ["# Data sheet", source.get("title"), name if several else ""])
+        )
         facts = _device(study, device, written[name])
         sheets += [f"{heading}\n", table(["device", "value"], facts)]
-        if source:
-            sheets += [table(["config", "value"], _of_config(source))]
+        sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
         of_N = f"{plain(device.gravity * 1e6)} m/s^2"

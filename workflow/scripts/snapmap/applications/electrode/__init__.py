@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..application import Application
+from ..application import Application, Config
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ...config.study import Config
     from ...device.device import Device
     from ...solver.cells import Cells, Observations
     from ...solver.models import Follows

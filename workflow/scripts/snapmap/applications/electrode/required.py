@@ -2,16 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ...study.study import Study
+from ..application import Config
 from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
 from ..requirements.required import Judged, RequiredShock
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 DEMANDS = "closes_within", "stays_closed"
 """Keys of a required closing."""
@@ -25,7 +23,7 @@ class RequiredClosing(RequiredShock):
     closes_within: float | None = None
     stays_closed: float | None = None
 
-    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> Judged:
         """Judge the shock, then its closures; further columns hold these with their margins."""
         demands = self.closes_within, self.stays_closed
         return [judge_closing(*judged, *demands) for judged in super().check(study, C)]

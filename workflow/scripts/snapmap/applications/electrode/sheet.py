@@ -23,12 +23,11 @@ def sections(study: Study, rows: Sequence[Mapping]) -> list[str]:
     if not closed:
         return []
     horizon = plain(study.run.horizon / 1e3)
-    words = f"The electrode, to {horizon} ms after a shock:\n"
-    return [words, table(["what", "value", "error", "under"], _values(closed))]
-
-
-def _values(rows):
-    for row in rows:
+    cells = []
+    for row in closed:
+        where = f"{row['requirement']}, {corner_text(row)}"
         for key, (words, unit) in CLOSURES.items():
             value, error = plain(row[key]), plain(row[f"{key}_error"], 1)
-            yield [words, value + unit, error + unit, f"{row['requirement']}, {corner_text(row)}"]
+            cells.append([words, value + unit, error + unit, where])
+    words = f"The electrode, to {horizon} ms after a shock:\n"
+    return [words, table(["what", "value", "error", "under"], cells)]

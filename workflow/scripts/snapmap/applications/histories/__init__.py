@@ -1,18 +1,13 @@
 """The motion of single cells in full.  Imports: core alone."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Histories(Application):
     rule, message = "simulate_histories", "Follow single cells in full"
-    part = "8 Histories"
+    part, size = "8 Histories", (4.2, 2)
 
     def section(self) -> tuple[Any, str]:
         """A list of cells, each with N, and f0, duration and C unless the study gives them."""
@@ -66,19 +61,11 @@ class Histories(Application):
         """A figure for each cell."""
         return {f"history_{cell.name}": {} for cell in study.requests["histories"]}
 
-    def draw(self, figures: Figures, folder: str, history_paths: list[str]) -> None:
-        """Draw motion, forces and energies over time, a figure for each cell."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
+    def draw_one(self, figure: Any, data: Any) -> None:
+        """Draw motion, forces and energies over time."""
         from .figure import draw_history
 
-        for stem, path in zip(figures, history_paths, strict=True):
-            with (
-                open_whole(path) as dataset,
-                style.saved(f"{folder}/{stem}", dataset.attrs, 4.2) as figure,
-            ):
-                axes = figure.subplots(3, sharex=True, height_ratios=[2, 1, 1])
-                draw_history(axes, dataset)
+        draw_history(figure.subplots(3, sharex=True, height_ratios=[2, 1, 1]), data)
 
 
 application = Histories()

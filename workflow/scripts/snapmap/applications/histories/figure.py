@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import xarray as xr
 from matplotlib.axes import Axes
 
-from ...figures import style
+from ...figures import captions, style
 from ...figures.scales import number, place_text
 
 BEAM, MASS, AID = "C5", "black", "0.3"
@@ -38,7 +38,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         shock.set_ylabel("force on the\nmidpoint (µN)")
     else:
         shock.plot(time, history.acceleration / history.gravity, color=MASS)
-        shock.set_ylabel(f"acceleration\n({style.multiples(history.attrs)})")
+        shock.set_ylabel(f"acceleration\n({captions.multiples(history.attrs)})")
     shock.set_xlabel("time after the start of the pulse (ms)")
     snap = history.t_snap.item() / 1e3
     shown = history.w_mid, history.contact_force, shock.lines[0].get_ydata()
@@ -58,8 +58,8 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
 
 def _caption(history):
     """The shock, the model and, if known, the errors that the time step makes."""
-    case = style.case(history.attrs, style.PAGE)
-    words = "\n".join(filter(None, [place_text(history, style.PAGE), case]))
+    case = captions.case(history.attrs, captions.PAGE)
+    words = "\n".join(filter(None, [place_text(history, captions.PAGE), case]))
     work, snap = (history[key].item() for key in ("work_error", "t_snap_error"))
     if math.isnan(work):
         return words

@@ -100,15 +100,6 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         "model": section_of(study.model),
         "histories": [{"N": N, "f0": f"{f0!r} Hz", "C": f"{C!r} {study.unit_of_C}".strip()}],
     }
-    optional, rest = {}, built.barrier.first + device.gap
-    stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
-    if settings.start != FIRST:
-        document["run"] = {"start": settings.start}
-        optional["first_equilibrium"] = built.barrier.first
-    optional |= {key: place for key, place in stops.items() if math.isfinite(place)}
-    if cells.pulses[0].blows.size:
-        optional["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
-    optional |= merge(lambda part: part.in_history(built, cells, settings))
     single = {
         "second_equilibrium": built.barrier.second,
         "barrier": built.barrier.energy,
@@ -117,9 +108,17 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
         "outcome": np.int8(outcome),
         "t_snap": observed.t_snap.item(),
         **extremes._asdict(),
-        **optional,
-        **{key: error.item() for key, error in errors_of(built, cells, settings).items()},
     }
+    if settings.start != FIRST:
+        document["run"] = {"start": settings.start}
+        single["first_equilibrium"] = built.barrier.first
+    rest = built.barrier.first + device.gap
+    stops = {"stop_toward": rest - device.stop_toward, "stop_away": rest + device.stop_away}
+    single |= {key: place for key, place in stops.items() if math.isfinite(place)}
+    if cells.pulses[0].blows.size:
+        single["blow"] = blow_at(cells.pulses, cells.pulse, observed.t_snap * cells.f0).item()
+    single |= merge(lambda part: part.in_history(built, cells, settings))
+    single |= {key: error.item() for key, error in errors_of(built, cells, settings).items()}
     curves = {key: ("time", column) for key, column in values.items()}
     shock = {"N": float(N), "f0": float(f0), "C": float(C)}
     return dress("history", xr.Dataset(curves | single, shock), document)

@@ -1,18 +1,13 @@
 """The map in three laws: dwell, snap time, velocity change.  Imports: core alone."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Laws(Application):
     rule, message = "find_laws", "Find where the three laws hold"
-    part = "2 Thresholds"
+    part, size = "2 Thresholds", (4.6, 2)
 
     def section(self) -> tuple[Any, str]:
         """Whether the laws are compared with the thresholds."""
@@ -44,17 +39,11 @@ class Laws(Application):
         """A figure over f0."""
         return {"laws": {}}
 
-    def draw(self, figures: Figures, folder: str, laws_path: str) -> None:
+    def draw_one(self, figure: Any, data: Any) -> None:
         """Draw thresholds and laws."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
         from .figure import draw_laws
 
-        with (
-            open_whole(laws_path) as laws,
-            style.saved(f"{folder}/laws", laws.attrs, 4.6) as figure,
-        ):
-            draw_laws(figure, laws)
+        draw_laws(figure, data)
 
 
 application = Laws()

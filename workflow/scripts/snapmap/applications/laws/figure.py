@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...figures import curves, scales, style
+from ...figures import captions, curves, scales, style
 from ...figures.thresholds import NONE_KNOWN
 from ...thresholds.slow import HOLDS
 
@@ -43,7 +43,8 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     top.set_xlabel("")
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
-    words = "\n".join(filter(None, [scales.place_text(laws, style.PAGE), style.case(laws.attrs)]))
+    place = scales.place_text(laws, captions.PAGE)
+    words = "\n".join(filter(None, [place, captions.case(laws.attrs)]))
     style.legend(figure, [*curves.line_keys(laws, "C"), *keys], words, 3)
 
 

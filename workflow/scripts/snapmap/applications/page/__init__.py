@@ -1,13 +1,6 @@
 """The page to explore a study in a browser.  Imports: requirements."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Page(Application):
@@ -32,18 +25,10 @@ class Page(Application):
             for shocks in marks
             for name, f0, N, pushed in shocks
         ]
-        shown = {"title": study.title, "pulse": study.shock, "required": required}
-        shown["written"] = study.written
-        return {"explore": {"horizon": study.run.horizon, **shown}}
+        shown = {"title": study.title, "pulse": study.shock, "written": study.written}
+        return {"explore": shown | {"horizon": study.run.horizon, "required": required}}
 
-    def draw(
-        self,
-        figures: Figures,
-        folder: str,
-        cube_path: str,
-        threshold_path: str,
-        requirements_path: str = "",
-    ) -> None:
+    def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
@@ -52,11 +37,11 @@ class Page(Application):
         from ..requirements.corners import read_verdicts
         from .figure import page  # brings Plotly
 
-        with open_whole(cube_path) as cube, open_whole(threshold_path) as thresholds:
-            verdicts = read_verdicts(requirements_path) if requirements_path else ()
-            for name, arguments in figures.items():
+        verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
+        with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
+            for name, shown in figures.items():
                 with damper_in(unit_of_C(cube.attrs)):
-                    text = page(cube, thresholds, **arguments, verdicts=verdicts)
+                    text = page(cube, thresholds, shown, verdicts)
                 write_text(text, f"{folder}/{name}.html")
 
 

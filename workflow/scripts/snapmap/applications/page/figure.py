@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,7 +20,7 @@ from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
 from ...device.device import STOPS, VALUES
-from ...figures import scales, states, style
+from ...figures import captions, scales, states
 from ...files.text import leaves
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
@@ -71,43 +72,69 @@ TITLE = "Which shock trips the sensor?"
 def page(
     cube: xr.Dataset,
     thresholds: xr.Dataset,
-    horizon: float,
-    title: str = "",
-    pulse: Mapping | None = None,
-    required: Sequence[tuple[str, float, float, Sequence[tuple[str, str]]]] = (),
+    shown: Mapping[str, Any],
     verdicts: Sequence[Mapping] = (),
-    written: Mapping[str, Mapping] | None = None,
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
     thresholds: they include the points of the cube
-    horizon: time followed after the pulse, us
-    title: of the study; pulse: its section, as in `Config`; None for the handout's
-    required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
+    shown: what the cube does not hold, as `Page.figures` gives it:
+        horizon: time followed after the pulse, us
+        written: sections of the devices by name, as the user has them
+        title: of the study; pulse: its section, as in `Config`; empty for the handout's
+        required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
-    written: sections of the devices by name, as the user has them; None for those of the cube
     """
     cells, document = thin(cube), config_of(cube.attrs)
-    dims = cells.outcome.dims
+    dims, devices = cells.outcome.dims, _devices(document)
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
-    named = document.get("devices", {"": document.get("device", {})})
-    devices = {html.escape(name): device for name, device in named.items()}
-    own = written or {name or "device": section for name, section in named.items()}
-    x, y = _plane(cells)
+    data = _data(cells, thresholds, document, shown, verdicts)
+    sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
+    kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
+    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
+    model, kind = document["model"], _kind_of(devices)
+    return Template(_text("explore.html")).substitute(
+        plotly=get_plotlyjs(),
+        title=html.escape(shown["title"] or TITLE),
+        ends=", or where it ends" if "well" in cells else "",
+        drawing=_text("device.svg"),
+        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
+        struck=STRUCK[kind],
+        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
+        code="\n".join(map(_text, ("simulate.js", "explore.js"))),
+        thinned=f"Shown are {thinned} of the cube. " if kept else "",
+        unfollowed=" hidden" if "laws" in model else "",
+        model=html.escape(
+            " with ".join(str(model[key]) for key in ("name", "laws") if key in model)
+        ),
+        guide=", ".join([*(captions.guides(document) or [MIXED]), *captions.starts(document)]),
+        version=html.escape(cube.attrs["code_version"]),
+    )
+
+
+def _devices(document):
+    """Sections of the devices of a config by name, "" for a single one."""
+    return document.get("devices", {"": document.get("device", {})})
+
+
+def _data(cells, thresholds, document, shown, verdicts):
+    """What the script of the page reads; arguments as those of `page`."""
+    dims, devices, (x, y) = cells.outcome.dims, _devices(document), _plane(cells)
     has_laws = "laws" in document["model"]
     dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
-    of_model = ("name", "laws") if has_laws else ("name",)
-    kind, start = _kind_of(devices), SECOND if style.starts(document) else FIRST
-    data = {
+    return {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
         "y": y,
         "start": _opening(cells, x, y),
-        "horizon": float(horizon),
-        "shapes": STARTS if start == FIRST else STARTS[::-1],
-        "devices": {html.escape(name): [*_rows(own[name or "device"])] for name in named},
+        "horizon": float(shown["horizon"]),
+        "shapes": STARTS[::-1] if captions.starts(document) else STARTS,
+        "devices": {
+            html.escape(name): [*_rows(shown["written"][name or "device"])] for name in devices
+        },
         "vibrations": {
-            name: [_vibration(device, C) for C in dampers] for name, device in devices.items()
+            html.escape(name): [_vibration(device, C) for C in dampers]
+            for name, device in devices.items()
         },
         "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
@@ -116,30 +143,12 @@ def page(
         "whole": WHOLE_SWING,
         "required": [
             (html.escape(name), *place, html.escape(_worst(name, verdicts)))
-            for name, *place in required
+            for name, *place in shown["required"]
         ],
         "unfollowed": OF_LAWS if has_laws else TOO_LONG,
         "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
-        **_simulation(cells, {name: read_device(device) for name, device in named.items()}, pulse),
+        **_simulation(cells, document, shown["pulse"]),
     }
-    sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
-    kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
-    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
-    return Template(_text("explore.html")).substitute(
-        plotly=get_plotlyjs(),
-        title=html.escape(title or TITLE),
-        ends=", or where it ends" if "well" in cells else "",
-        drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
-        struck=STRUCK[kind],
-        data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
-        code="\n".join(map(_text, ("simulate.js", "explore.js"))),
-        thinned=f"Shown are {thinned} of the cube. " if kept else "",
-        unfollowed=" hidden" if has_laws else "",
-        model=html.escape(" with ".join(str(document["model"][key]) for key in of_model)),
-        guide=", ".join([*(style.guides(document) or [MIXED]), *style.starts(document)]),
-        version=html.escape(cube.attrs["code_version"]),
-    )
 
 
 def _worst(name, verdicts):
@@ -152,15 +161,15 @@ def _worst(name, verdicts):
     return f"{row['verdict']}: {end_text(row)}, at worst ({where})"
 
 
-def _simulation(cells, devices, pulse):
-    """Data with which the page follows shocks; devices: by name, "" for a single one."""
+def _simulation(cells, document, pulse):
+    """Data with which the page follows shocks."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
     shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
+    devices = {name: read_device(section) for name, section in _devices(document).items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
-    document = config_of(cells.attrs)
-    grid, start = study.set_out(axes), style.starts(document)
+    grid, start = study.set_out(axes), captions.starts(document)
     table, known = forms(grid, SECOND if start else FIRST), pulses(study)
     for pulse in known:
         pieces = None if "laws" in document["model"] else pulse["pieces"]
@@ -239,7 +248,7 @@ def _lacking(devices, dims, document):
     named = {*dims}.union(*devices.values())
     parts = {"stops": {*STOPS}, "gap": {"gap"}}
     lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
-    return [*lacking, "second"] if style.starts(document) else lacking
+    return [*lacking, "second"] if captions.starts(document) else lacking
 
 
 def _rows(section):

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
-from ..application import Application, Figures, Files, Mark
+from ..application import Application, Config, Figures, Files, Mark
 
 if TYPE_CHECKING:
-    from ...config.study import Config
     from ...pulse.pulse import Pulse
     from .required import RequiredShock
 
@@ -107,14 +106,14 @@ class Requirements(Application):
         """The margins of all requirements."""
         return {"requirements": {"unit_of_C": study.unit_of_C}}
 
-    def draw(self, figures: Figures, folder: str, requirements_path: str) -> None:
+    def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw the margin of each requirement, a row for each worst corner."""
         from ...figures import style
         from ...values.damper import damper_in
         from .corners import corners, read_verdicts
         from .figure import draw_margins
 
-        verdicts = read_verdicts(requirements_path)
+        verdicts = read_verdicts(files["requirements"])
         attributes = {"title": "Margins of required shocks"}
         height = 1.2 + 0.32 * len(corners(verdicts))
         saved = style.saved(f"{folder}/requirements", attributes, height)

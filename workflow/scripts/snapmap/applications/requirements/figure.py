@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ...figures import style
+from ...figures import captions, style
 from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
 from ...study.study import ARRIVES
@@ -40,9 +40,9 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
     ax.axvspan(1, high, **MET)
     for place, (row, *others) in enumerate(groups):
-        margin, note = _factor(row), {"va": "center", "fontsize": 6}
-        margins = [_factor(other) for other in others]
-        ax.plot(margins, [place] * len(others), **OTHER)
+        note = {"va": "center", "fontsize": 6}
+        margin, *of_others = margins = [_factor(each) for each in (row, *others)]
+        ax.plot(of_others, [place] * len(others), **OTHER)
         if margin == margin:
             error = margin * row["margin_error"] / row["margin"]
             ax.errorbar(margin, place, xerr=error, **VERDICTS[row["verdict"]])
@@ -51,10 +51,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
         words = [end_text(row)] if row["must_snap"] in (True, ARRIVES) else []
         if row["break_probability"] > 1 - row["must_survive"]:
             words.append("the beam breaks")
-        first, last = (
-            np.fmin.reduce([high, margin, *margins]),
-            np.fmax.reduce([low, margin, *margins]),
-        )
+        first, last = np.fmin.reduce([high, *margins]), np.fmax.reduce([low, *margins])
         is_right = high / last >= first / low
         beside, side = (last, "left") if is_right else (first, "right")
         if words:
@@ -88,4 +85,4 @@ def _name(row):
 
 def required_text(name: str, must_snap: bool | str) -> str:
     """Write a requirement's name and what the device must do, for a figure."""
-    return must_text(style.literal(name), must_snap)
+    return must_text(captions.literal(name), must_snap)

@@ -16,10 +16,7 @@ RUNS = 42
 
 
 def judged_seconds(
-    study: Study,
-    required: Sequence[Shock],
-    C: Sequence[float],
-    temperatures: Sequence[float] = (),
+    study: Study, required: Sequence[Shock], C: Sequence[float], temperatures: Sequence[float]
 ) -> float:
     """Forecast the core time of the verdicts on shocks, s; arguments as those of `check`.
 

@@ -2,16 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from ...study.shock import Shock
 from ...study.study import ANY, Study
+from ..application import Config
 from .corners import Verdict, at_corner
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 Judged = list[tuple[Verdict, dict[str, float]]]
 """Verdicts, each with further columns of its row."""
@@ -26,7 +24,7 @@ class Required(Protocol):
     @property
     def start(self) -> str: ...
 
-    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> Judged:
         """Judge each device at each temperature and C (uN us/um)."""
 
     def require(self, study: Study) -> None:
@@ -47,7 +45,7 @@ class RequiredShock(Shock):
     pulse: Mapping[str, Any]
     more: ClassVar[str] = ""
 
-    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> Judged:
         """Judge by threshold and strength; the further columns are extremes and survival."""
         from ..histories.history import free_travel, observed_of
         from .check import check, judge

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from typing_extensions import TypeAliasType
 
@@ -17,10 +17,8 @@ from ...values.kinds import Kind, Word, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
 from ...values.reading import read_part
 from ...values.records import record
+from ..application import Config
 from .required import Required, RequiredShock
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
 SURVIVES = 0.999
@@ -176,7 +174,7 @@ class RequirementKind(Kind):
 
 
 def read_requirements(
-    sections: Sequence[Any], study: "Config", pulse: PulseSection | None
+    sections: Sequence[Any], study: Config, pulse: PulseSection | None
 ) -> list[Required]:
     """Take the requirements of a config; raises ValueError, one line, for an invalid one.
 

@@ -5,21 +5,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain
 from math import nan
-from typing import TYPE_CHECKING
 
 from ...files.atomic import replacing
+from ..application import Config
 from ..design.design import remedy, with_value
 from ..histories.history import FARTHEST, Extremes, warn_of_travel
 from .check import Survival, restless, summary, worst
-from .corners import MET, VIOLATED, Verdict, at_corner, beyond
+from .corners import UNCLEAR, VIOLATED, Verdict, at_corner, beyond
 from .required import Required, RequiredShock
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 
 def hint(
-    study: "Config", requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
+    study: Config, requirements: Sequence[Required], verdicts: Sequence[Verdict], wrong: Verdict
 ) -> str:
     """Write which changes of a single value meet a requirement, and which others fail by them.
 
@@ -35,29 +32,30 @@ def hint(
     device = study.devices()[wrong.device or "device"]
     of_device = [verdict for verdict in verdicts if verdict.device == wrong.device]
     dampings = list(dict.fromkeys(verdict.C for verdict in of_device))
-    fails = {
-        (verdict.requirement, verdict.C) for verdict in of_device if verdict.verdict == VIOLATED
-    }
+    fails = _places(of_device, VIOLATED)
     changes = []
     for words, key, value in remedy(shaken, goals[0], wrong.C, wrong.N_first):
         try:
             changed = replace(study, device=with_value(device, key, value))
-            judged = [pair for required in shocks for pair in required.check(changed, dampings)]
+            judged = [v for required in shocks for v, _ in required.check(changed, dampings)]
         except ValueError:  # it has no second shape at one of the temperatures
             continue
-        missed = [verdict for verdict, _ in judged if verdict.verdict != MET]
+        failing = _places(judged, VIOLATED)
         # It may still be missed at another corner, or by its other demands.
-        if (wrong.requirement, wrong.C) in [(verdict.requirement, verdict.C) for verdict in missed]:
+        if (wrong.requirement, wrong.C) in (*failing, *_places(judged, UNCLEAR)):
             continue
-        violated = [verdict for verdict in missed if verdict.verdict == VIOLATED]
-        failing = [(verdict.requirement, verdict.C) for verdict in violated]
         if broken := list(dict.fromkeys(name for name, C in failing if (name, C) not in fails)):
             words += f" (then {' and '.join(broken)} {'fails' if len(broken) == 1 else 'fail'})"
         changes.append(words)
     return f"{' or '.join(changes)} meets it, all else unchanged" if changes else ""
 
 
-def write_verdicts(study: "Config", requirements: Sequence[Required], path: str) -> None:
+def _places(verdicts, kind):
+    """List the requirement and C of each verdict of a kind."""
+    return [(verdict.requirement, verdict.C) for verdict in verdicts if verdict.verdict == kind]
+
+
+def write_verdicts(study: Config, requirements: Sequence[Required], path: str) -> None:
     """Judge requirements, write a row for each device, corner and C, and print a summary."""
     C = study.axes["C"].tolist()
     judged = [pair for required in requirements for pair in required.check(study, C)]

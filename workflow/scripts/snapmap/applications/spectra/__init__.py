@@ -1,7 +1,5 @@
 """Random vibration and shock response spectra.  Imports: requirements."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

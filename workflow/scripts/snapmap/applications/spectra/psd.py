@@ -23,8 +23,7 @@ MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
 Density = TypeAliasType(
-    "Density",
-    Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")],
+    "Density", Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
 )
 Records = TypeAliasType("Records", Annotated[int, Whole(1, 10_000)])
 

@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from ...solver.settings import FIRST
 from ...study.study import Study
+from ..application import Config
 from ..requirements.required import Judged
-
-if TYPE_CHECKING:
-    from ...config.study import Config
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +39,7 @@ class RequiredVibration(Shaking):
     duration: float
     probability: float
 
-    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> Judged:
         """Judge by the level at which a trip is as probable as allowed; no further columns."""
         from .verdicts import check_vibration
 
@@ -55,7 +53,7 @@ class RequiredSpectrum(Shaking):
     srs: list[list[float]]
     direction: str
 
-    def check(self, study: "Config", C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> Judged:
         """Judge by the factor of the spectrum from which its records trip; no further columns."""
         from .verdicts import check_spectrum
 

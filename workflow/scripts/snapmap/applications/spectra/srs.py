@@ -61,8 +61,9 @@ def response(acceleration: np.ndarray, step: float, f: np.ndarray) -> np.ndarray
     return largest
 
 
-def frequencies(low: float, high: float) -> np.ndarray:
-    """Return sixth octaves from low, Hz, and high as the last frequency."""
+def frequencies(points: Sequence[Sequence[float]]) -> np.ndarray:
+    """Return sixth octaves from the lowest frequency of a spectrum, Hz, and its highest."""
+    low, high = points[0][0], points[-1][0]
     octaves = math.ceil(math.log2(high / low))
     f = portable.geometric(low, low * 2.0**octaves, PER_OCTAVE * octaves + 1)
     return np.append(f[f < high * (1 - 1e-9)], high)
@@ -117,7 +118,7 @@ def _draw(points, seed, lobes):
     """Draw a sum of wavelets, and correct their amplitudes towards a response spectrum."""
     from .sums import wavelets  # numba, for which no config that is read has to wait
 
-    f = frequencies(points[0][0], points[-1][0])
+    f = frequencies(points)
     target, draw = level(points, f), np.random.default_rng(seed)
     lobes, sign = draw.choice(lobes, f.size), draw.choice([-1.0, 1.0], f.size)
     longest = np.floor(LOBES[-1] * (f / f[0]))
@@ -141,4 +142,4 @@ def _draw(points, seed, lobes):
 
 def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
     """Forecast the core time to draw a record of a spectrum, s; pulse: another of its records."""
-    return PER_SAMPLE * ROUNDS * frequencies(points[0][0], points[-1][0]).size * len(pulse.pieces)
+    return PER_SAMPLE * ROUNDS * frequencies(points).size * len(pulse.pieces)

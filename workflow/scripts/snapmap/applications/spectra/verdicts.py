@@ -1,6 +1,6 @@
 """Verdicts on required vibration and required shock response spectra."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -17,17 +17,13 @@ from .vibration import RECORDS, SEED, vibration_of
 
 
 def check_vibration(
-    study: Study,
-    required: RequiredVibration,
-    C: Sequence[float],
-    temperatures: Sequence[float] = (),
-) -> list[Verdict]:
+    study: Study, required: RequiredVibration, C: Sequence[float], temperatures: Sequence[float]
+) -> Iterator[Verdict]:
     """Find the level of a vibration at which a trip is as probable as it allows.
 
     C: uN us/um; temperatures: degC; empty for those of the devices
     N, N_first, N_error of a verdict are levels in g rms; N_error is the wider half of the bounds.
     """
-    verdicts = []
     for name, shaken in each_device(required.shaken(study), temperatures):
         chance, T = required.probability, required.duration
         reach = 1 - chance if required.snaps else chance
@@ -39,28 +35,26 @@ def check_vibration(
         columns = (rates[key].values.tolist() for key in keys)
         for damping, snaps, low, high, level in zip(C, *columns, strict=True):
             error = max(high - level, level - low) if np.isfinite(level) else np.nan
-            bounds, at = (low, high, level, error), place | {"C": damping}
-            verdicts.append(_verdict(required, at, snaps > 0, *bounds))
-    return verdicts
+            bounds = low, high, level, error
+            yield _verdict(required, place | {"C": damping}, snaps > 0, bounds)
 
 
 def check_spectrum(
     study: Study,
     required: RequiredSpectrum,
     C: Sequence[float],
-    temperatures: Sequence[float] = (),
+    temperatures: Sequence[float],
     records: int = SHOCKS,
-) -> list[Verdict]:
+) -> Iterator[Verdict]:
     """Find the factor of a spectrum from which a record snaps a study's devices.
 
     If it must snap, all records snap it. C: uN us/um; temperatures: degC; empty for its own
     N, N_first, N_error of a verdict are factors of the spectrum; N_error is half a step of them.
     """
-    verdicts, drawn = [], {"records": records, "seed": SEED}
+    drawn = {"records": records, "seed": SEED}
     for name, shaken in each_device(required.shaken(study), temperatures):
         for shocks in make_shocks(direction=required.direction).each():
-            verdicts += _of_spectrum(shaken.under(shocks), required, name, C, drawn)
-    return verdicts
+            yield from _of_spectrum(shaken.under(shocks), required, name, C, drawn)
 
 
 def _of_spectrum(study, required, name, C, drawn):
@@ -76,11 +70,16 @@ def _of_spectrum(study, required, name, C, drawn):
         low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
         snapped = (np.all if must else np.any)(snaps[:, FACTORS.index(1.0)] == 1)
         estimate = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
-        yield _verdict(required, place | {"C": damping}, snapped, low, high, *estimate)
+        bounds = low, high, *estimate
+        yield _verdict(required, place | {"C": damping}, snapped, bounds)
 
 
-def _verdict(required, place, snapped, low, high, level, error):
-    """Make a verdict; place: its fields of shock and corner; low, high: bounds of its level."""
+def _verdict(required, place, snapped, bounds):
+    """Make a verdict.
+
+    place: its fields of shock and corner; bounds: ends of its level, the level, and its error
+    """
+    low, high, level, error = bounds
     # ASSUME: a beam need only arrive, as vibration has no end after which it could stay.
     N, must, verdict = place["N"], bool(required.snaps), UNCLEAR
     if low > N or high < N:

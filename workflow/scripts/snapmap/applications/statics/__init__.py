@@ -1,18 +1,13 @@
 """Force over displacement of a beam that is pushed slowly.  Imports: core alone."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING
-
-from ..application import Application, Figures, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import Application, Config, Figures, Files
 
 
 class Statics(Application):
     quick = True
-    part = "7 Device"
+    part, size = "7 Device", (3.6, 1)
 
     def outputs(self, study: Config) -> Files:
         """A file for each device, with its name if several; none of a user's own beam."""
@@ -37,18 +32,11 @@ class Statics(Application):
 
         return {Path(path).stem: {} for path in self.outputs(study).get("statics", ())}
 
-    def draw(self, figures: Figures, folder: str, statics_paths: list[str]) -> None:
-        """Draw force and energy over displacement, a figure for each device."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
+    def draw_one(self, figure: Any, data: Any) -> None:
+        """Draw force and energy over displacement."""
         from .figure import draw_statics
 
-        for stem, path in zip(figures, statics_paths, strict=True):
-            with (
-                open_whole(path) as dataset,
-                style.saved(f"{folder}/{stem}", dataset.attrs, 3.6, columns=1) as figure,
-            ):
-                draw_statics(figure, dataset)
+        draw_statics(figure, data)
 
 
 application = Statics()

@@ -1,13 +1,9 @@
 """The largest stress of each cell, where a beam may break.  Imports: core alone."""
 
-from __future__ import annotations
+from math import inf
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import HALF_OF_CORES, Application, Files
-
-if TYPE_CHECKING:
-    from ...config.study import Config
+from ..application import HALF_OF_CORES, Application, Config, Files
 
 
 class Stress(Application):
@@ -16,7 +12,8 @@ class Stress(Application):
 
     def outputs(self, study: Config) -> Files:
         """The largest stress of each cell, if a device of the study has a strength."""
-        return {"stress": "results/stress.nc"} if study.has_strength else {}
+        may_break = any(device.strength < inf for device in study.devices().values())
+        return {"stress": "results/stress.nc"} if may_break else {}
 
     def inputs(self, study: Config) -> Files:
         """The cube."""

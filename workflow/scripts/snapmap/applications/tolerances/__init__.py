@@ -1,15 +1,9 @@
 """Devices as made: values that scatter.  Imports: requirements."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
-from ..application import Application, Figures, Files
+from ..application import Application, Config, Figures, Files
 from ..requirements import left_out, plain_shocks, shocks_of
-
-if TYPE_CHECKING:
-    from ...config.study import Config
-
 
 AXES = "C", "f0", "N", "temperature"
 
@@ -90,14 +84,14 @@ class Tolerances(Application):
             places |= batch_places(study.grid, "yield", of=[DEVICE])
         return {name: {"at": at} for name, at in places.items()}
 
-    def draw(self, figures: Figures, folder: str, tolerance_path: str) -> None:
+    def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw the probability of a snap, the sensitivity of thresholds, and the yield."""
         from ...study.netcdf import open_whole
         from .figure import draw_stem
 
-        with open_whole(tolerance_path) as dataset:
+        with open_whole(files["tolerance"]) as dataset:
             for stem, where in figures.items():
-                draw_stem(f"{folder}/{stem}", dataset.isel(where["at"]), dataset.attrs)
+                draw_stem(f"{folder}/{stem}", dataset.isel(where["at"]))
 
 
 application = Tolerances()

@@ -36,8 +36,6 @@ QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 AMPLITUDES = 101
 """Default number of values of N, from the lowest to the highest threshold."""
 
-BOUND = ("low", "high")
-
 
 def tolerance(
     study: AnyStudy,
@@ -132,10 +130,6 @@ def tolerances_of(
     if isinstance(study.device, Mapping):
         names = xr.Variable("device", list(study.device), attributes_of("device"))
         data = xr.concat(parts, names, join="outer")
-    for key in SHOCK_FACTORS:
-        if f"{key}_factor" in data:
-            attributes = {"long_name": f"{key} over its nominal value", "units": "1"}
-            data[f"{key}_factor"].attrs = attributes
     document = study.document(OF_THRESHOLDS)
     document["tolerances"] = tolerances.section
     dataset = dress("tolerance", data, document, threshold_tolerance=tolerance)
@@ -189,7 +183,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
             np.moveaxis(sobol[:, 1:], 1, 0),
         ),
     }
-    named = {"quantile": list(QUANTILES), "bound": list(BOUND)}
+    named = {"quantile": list(QUANTILES), "bound": ["low", "high"]}
     named |= {"order": ["first", "total"], "value": plan.names}
     N, along = _amplitudes(axes.get("N"), first), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)

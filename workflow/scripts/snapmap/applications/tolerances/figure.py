@@ -1,7 +1,7 @@
 """Figures of devices as made: probability of a snap, sensitivity of thresholds, and yield."""
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -11,19 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import ListedColormap
 
-from ...figures import style
+from ...figures import captions, scales, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
-from ...figures.scales import (
-    WORDS,
-    axis_label,
-    leave_space,
-    place_text,
-    scale_of,
-    set_scale,
-    study_axis,
-    tick,
-    value_text,
-)
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
@@ -53,13 +42,13 @@ ROW, FLAT = 2.6, 1.7
 """Height of a row of panels, and of histograms, in."""
 
 
-def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> None:
+def draw_stem(stem: str, data: xr.Dataset) -> None:
     """Draw and save probability, sensitivity or yield; the name of the file begins with it."""
     name = Path(stem).name
     if not name.startswith("yield"):
         draw = draw_probability if name.startswith("probability") else draw_sensitivity
         panels = [data.isel(C=i) for i in evenly(data.C.size, MOST)]
-        _draw_panels(stem, panels, draw, attributes)
+        _draw_panels(stem, panels, draw)
         return
     data = data.isel(C=evenly(data.C.size, DAMPINGS))
     panels = [
@@ -67,10 +56,10 @@ def draw_stem(stem: str, data: xr.Dataset, attributes: Mapping[str, str]) -> Non
         for i in evenly(data.requirement.size, MOST)
         for j in evenly(data.C.size, MOST // min(MOST, data.requirement.size))
     ]
-    _draw_panels(stem, panels, draw_requirement, attributes, data)
+    _draw_panels(stem, panels, draw_requirement, data)
 
 
-def _draw_panels(stem, panels, draw, attributes, shares=None):
+def _draw_panels(stem, panels, draw, shares=None):
     """Draw panels, above them the yield if `shares` is not None, and their legend; save them."""
     dampings = len({panel.C.item() for panel in panels})
     columns = dampings if dampings in (2, COLUMNS) else min(COLUMNS, len(panels))
@@ -79,7 +68,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
     if shares is not None:
         rows_above = len(list(each_share(shares))) * shares.C.size
         heights.insert(0, 0.5 + 0.17 * rows_above)
-    with style.saved(stem, attributes, 0.9 + sum(heights)) as figure:
+    with style.saved(stem, panels[0].attrs, 0.9 + sum(heights)) as figure:
         *above, lower = figure.subfigures(len(heights), height_ratios=heights, squeeze=False).flat
         axes = lower.subplots(rows, columns, squeeze=False).flat
         for ax, panel in zip(axes, panels, strict=False):
@@ -91,8 +80,7 @@ def _draw_panels(stem, panels, draw, attributes, shares=None):
         fields = [field for ax in lower.axes for field in ax.findobj(QuadMesh)]
         if fields:
             lower.colorbar(fields[0], ax=lower.axes, aspect=30, label="share of devices that snap")
-        words = batch_text(panels[0], attributes)
-        style.legend(figure, style.labelled(figure.axes), words)
+        style.legend(figure, style.labelled(figure.axes), batch_text(panels[0]))
 
 
 def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
@@ -100,9 +88,9 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    ax.set_title(place_text(data))
+    ax.set_title(scales.place_text(data))
     style.note_missing(ax, data.probability, "no share of devices is known")
-    f0, N = scale_of("f0", data.f0.values), scale_of("N", data.N.values)
+    f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
     if f0.values.size == 1:
         shares = data.squeeze("f0")
         bounds = shares.probability_bound.transpose("bound", "N").values
@@ -112,12 +100,12 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         if "latched" in data:
             look = {"color": LATCHED, "label": "share that stays snapped"}
             ax.plot(N.values, shares.latched.values, **look)
-        ax.set(xlabel=axis_label("N", data.attrs), ylabel="share of devices that snap")
+        ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
         return ax
-    study_axis(ax, f0)
-    set_scale(ax, "y", N, data.attrs)
-    leave_space(ax, "x", f0)
+    scales.study_axis(ax, f0)
+    scales.set_scale(ax, "y", N, data.attrs)
+    scales.leave_space(ax, f0)
     ax.pcolormesh(f0.edges, N.edges, data.probability.transpose("N", "f0").values, **FIELD)
     for share, dashes in LINES.items():
         line = data.N_quantile.sel(quantile=share).values
@@ -134,10 +122,10 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
 def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
     """Draw the Sobol indices of each value over f0, with their bounds; data: of one C."""
-    ax.set_title(place_text(data))
-    f0 = scale_of("f0", data.f0.values)
-    study_axis(ax, f0)
-    leave_space(ax, "x", f0)
+    ax.set_title(scales.place_text(data))
+    f0 = scales.scale_of("f0", data.f0.values)
+    scales.study_axis(ax, f0)
+    scales.leave_space(ax, f0)
     for i, value in enumerate(data.value.values.tolist()):
         index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
         total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
@@ -157,14 +145,14 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
 def words_of(value: str) -> str:
     """Write the values that a draw changes: `thickness and depth`."""
     of_shock = {"N": "$N$ of the shock", "duration": "duration of the pulse"}
-    return " and ".join(of_shock.get(key) or WORDS[key] for key in value.split("+"))
+    return " and ".join(of_shock.get(key) or scales.WORDS[key] for key in value.split("+"))
 
 
-def batch_text(data: xr.Dataset, attributes: Mapping[str, str]) -> str:
+def batch_text(data: xr.Dataset) -> str:
     """Write the number of devices and the model."""
     missing = int((data.bistable == 0).sum())
     lost = f", {missing} of them without a second stable shape" if missing else ""
-    return f"{data.bistable.size} devices{lost}; {style.case(attributes)}"
+    return f"{data.bistable.size} devices{lost}; {captions.case(data.attrs)}"
 
 
 def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
@@ -178,7 +166,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ends = np.array([*known, N])
     room = ROOM * np.ptp(ends) or ROOM * N
     low, high = max(ends.min() - room, 0), ends.max() + room
-    where = [place_text(data)]
+    where = [scales.place_text(data)]
     if must != SNAPS[ANY]:
         where.append(f"met by {percents(data.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
@@ -187,10 +175,10 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
     ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
-    label = f"threshold $N$ ({style.multiples(data.attrs)})"
+    label = f"threshold $N$ ({captions.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
-    tick(ax.xaxis, low, high, is_log=False)
+    scales.tick(ax.xaxis, low, high, is_log=False)
     return ax
 
 
@@ -219,7 +207,9 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
         y = rows + 0.7 * ((i + 0.5) / data.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": ""}
-        ax.errorbar(shares[:, i], y, xerr=error, label=value_text("C", line.C.item()), **look)
+        ax.errorbar(
+            shares[:, i], y, xerr=error, label=scales.value_text("C", line.C.item()), **look
+        )
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
             place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
@@ -232,7 +222,7 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
     room = ROOM * (1 - least) or ROOM
     ax.set(xlim=(least - room, 1 + room), ylim=(rows[-1] + 0.5, -0.5))
     style.note_missing(ax, shares, "no share of devices is known")
-    ax.set_xlabel(textwrap.fill(label, style.PAGE))
-    ax.set_yticks(rows, [textwrap.fill(style.literal(name), NAME) for name in names])
+    ax.set_xlabel(textwrap.fill(label, captions.PAGE))
+    ax.set_yticks(rows, [textwrap.fill(captions.literal(name), NAME) for name in names])
     ax.tick_params(axis="y", which="minor", left=False)
     return ax

@@ -5,15 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from ...device.samples import DISTRIBUTIONS as SPREADS
-from ...device.samples import (
-    OF_DEVICE,
-    SAMPLES,
-    SEED,
-    SHOCK_FACTORS,
-    Groups,
-    Samples,
-    Tolerances,
-)
+from ...device.samples import OF_DEVICE, SAMPLES, SEED, SHOCK_FACTORS, Groups, Samples, Tolerances
 from ...files.text import describe
 from ...study.axes import KIND_OF
 from ...values.kinds import Kind, Quantity, kind_of

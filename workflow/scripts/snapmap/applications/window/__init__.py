@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..application import Application, Figures, Files
+from ..application import Application, Config, Figures, Files
 from ..requirements import plain_shocks, shocks_of
 
 if TYPE_CHECKING:
     import numpy as np
-
-    from ...config.study import Config
 
 
 def design_axes(study: Config) -> dict[str, np.ndarray]:
@@ -31,7 +29,7 @@ def choose_axes(study: Config) -> tuple[str, ...]:
 
 class Window(Application):
     rule, message = "find_window", "Find the window of the requirements"
-    part, threads, megabytes, priority = "5 Requirements", 4, 2000, 48
+    part, size, threads, megabytes, priority = "5 Requirements", (4, 2), 4, 2000, 48
 
     def outputs(self, study: Config) -> Files:
         """The window, if the study has required shocks and two design axes."""
@@ -62,19 +60,11 @@ class Window(Application):
         units = {key: study.units.get(key) for key in choose_axes(study)}
         return {"window": {"axes": units}}
 
-    def draw(self, figures: Figures, folder: str, window_path: str) -> None:
+    def draw_one(self, figure: Any, data: Any, axes: dict[str, tuple[str, float]]) -> None:
         """Draw where all required shocks are met."""
-        from ...figures import style
-        from ...study.netcdf import open_whole
         from .figure import draw_window
 
-        units = figures["window"]["axes"]
-        with (
-            open_whole(window_path) as dataset,
-            style.saved(f"{folder}/window", dataset.attrs, 4) as figure,
-        ):
-            x, y = units
-            draw_window(figure, dataset, x, y, units)
+        draw_window(figure, data, axes)
 
 
 application = Window()

@@ -10,18 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withTickedStroke
 
-from ...figures import plane, style
+from ...figures import captions, plane, scales, style
 from ...figures.curves import LOOKS
-from ...figures.scales import (
-    NONE,
-    axis_label,
-    number,
-    place_text,
-    scale_of,
-    set_scale,
-    study_axis,
-    tick,
-)
 from ...numerics.statistics import percents
 from ...study.axes import Units
 from ...study.study import ARRIVES, SNAPS
@@ -37,17 +27,17 @@ MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
 """Level lines of the smallest safety factor, and of shares of devices."""
 
 
-def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Units = NONE) -> None:
+def draw_window(figure: FigureBase, data: xr.Dataset, units: Units) -> None:
     """Draw margins over two axes, and yield and stress if known, with the region that meets all.
 
-    data: as `window_of` returns it; units: of the axes, if not internal
+    data: as `window_of` returns it; units: of the horizontal and of the vertical axis
     A requirement begins to fail at its line, on the side of the ticks. Values between points are
     bilinear.
     """
-    data = data.squeeze([key for key in data.reserve.dims[1:] if key not in (x, y)])
+    x, y = units
+    data = data.squeeze([key for key in data.reserve.dims[1:] if key not in units])
     data = data.transpose("requirement", ..., y, x)
-    sizes = {key: size for key, (_, size) in units.items()}
-    data = data.assign_coords({key: data[key].values / sizes[key] for key in sizes})
+    data = data.assign_coords({key: data[key].values / size for key, (_, size) in units.items()})
     reserve = reserves_between(data.reserve.values)
     least = least_reserve(reserve)
     fields: dict[str, tuple] = {"smallest safety factor on $N$": (least, MARGINS)}
@@ -57,7 +47,7 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
         fields["largest stress (MPa)"] = data.stress_max.max("requirement"), ()
     axes = figure.subplots(1, len(fields), squeeze=False, sharey=True)[0]
     for ax, (title, (field, levels)) in zip(axes, fields.items(), strict=True):
-        across = _open_window(ax, data, x, y, units)
+        across = _open_window(ax, data, units)
         ax.set_title(title)
         ax.label_outer()
         grid = [between(scale.places, 1) for scale in across]
@@ -65,7 +55,7 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
         if levels:
             _fill_window(ax, grid, reserve, least)
             for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):
-                ax.clabel(lines, fmt=number, fontsize=6)
+                ax.clabel(lines, fmt=scales.number, fontsize=6)
         else:
             plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
         for of_requirement, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
@@ -76,17 +66,16 @@ def draw_window(figure: FigureBase, data: xr.Dataset, x: str, y: str, units: Uni
     style.legend(figure, [*_window_keys(data, reserve, least), *points], _about(data, reserve), 3)
 
 
-def _open_window(ax, data, x, y, units):
-    """Open a plane with its axes in other units, up to the outermost points."""
-    across = scale_of(x, data[x].values), scale_of(y, data[y].values)
-    study_axis(ax, across[0])
-    set_scale(ax, "y", across[1])
-    for which, scale in zip("xy", across, strict=True):
-        unit, _ = units.get(scale.key, ("", 1.0))
+def _open_window(ax, data, units):
+    """Open a plane with its axes in their units, up to the outermost points."""
+    across = [scales.scale_of(key, data[key].values) for key in units]
+    scales.study_axis(ax, across[0])
+    scales.set_scale(ax, "y", across[1])
+    for which, scale, (unit, _) in zip("xy", across, units.values(), strict=True):
         ends = scale.places[[0, -1]]
-        ax.set(**{f"{which}lim": ends, f"{which}label": axis_label(scale.key, unit=unit)})
+        ax.set(**{f"{which}lim": ends, f"{which}label": scales.axis_label(scale.key, unit=unit)})
         if not scale.is_counted:
-            tick(getattr(ax, f"{which}axis"), *ends, scale.is_log)
+            scales.tick(getattr(ax, f"{which}axis"), *ends, scale.is_log)
     return across
 
 
@@ -136,13 +125,13 @@ def _about(data, reserve):
     sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
     if "yield" in data:
         sure += f", shares within {percents(abs(data.yield_bound - data['yield']).max())}"
-    words = [place_text(data)]
+    words = [scales.place_text(data)]
     if "temperatures" in data.attrs:
         low, *_, high = np.sort(data.attrs["temperatures"])
-        words.append(f"at each temperature from {number(low)} to {number(high)} °C")
+        words.append(f"at each temperature from {scales.number(low)} to {scales.number(high)} °C")
     everywhere = {"met": (reserve >= 1).all(axis=(1, 2)), "failed": (reserve < 1).all(axis=(1, 2))}
     for word, which in everywhere.items():
         if names := ", ".join(data.requirement.values[which]):
-            words.append(style.literal(f"{word} everywhere: {names}"))
+            words.append(captions.literal(f"{word} everywhere: {names}"))
     words.append(f"ticks: where a requirement fails; {sure}")
-    return "\n".join(textwrap.fill(line, style.PAGE) for line in words if line)
+    return "\n".join(textwrap.fill(line, captions.PAGE) for line in words if line)
