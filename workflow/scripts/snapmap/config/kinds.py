@@ -7,8 +7,7 @@ from typing_extensions import TypeAliasType
 from ..device.curved_beam import COSINES
 from ..files.named import inside
 from ..files.text import describe, is_title
-from ..values.faults import Faults, few
-from ..values.kinds import Kind, Quantity
+from ..values.kinds import Kind, Quantity, read_each
 
 
 class TitleKind(Kind):
@@ -39,15 +38,7 @@ class AmplitudesKind(Kind):
         """Read a list of numbers."""
         if not isinstance(value, list | tuple) or not 0 < len(value) <= len(COSINES) + 1:
             raise ValueError(f"{describe(value)} is not {self.need}")
-        kind, amplitudes, faults = Quantity("a plain number", "", "0.1", "(-inf, inf)"), [], []
-        for place, item in enumerate(value):
-            try:
-                amplitudes.append(kind.read(item))
-            except ValueError as error:
-                faults.append(f"[{place}]: {error}")
-        if faults:
-            raise Faults(*few(faults))
-        return amplitudes
+        return read_each(Quantity("a plain number", "", "0.1", "(-inf, inf)"), value)
 
     def schema(self) -> dict:
         """Describe a list of numbers."""

@@ -83,18 +83,10 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
 def _dataset(need, variable):
     """Make the kind of a dataset that has a variable."""
 
-    def fit(value):
-        if not isinstance(value, xr.Dataset) or variable not in value:
-            raise ValueError(f"{show(value)} is not {need}")
-        return value
+    def has_it(value):
+        return isinstance(value, xr.Dataset) and variable in value
 
-    return Annotated[xr.Dataset, Fitting(need, fit)]
-
-
-def _take_axes(value):
-    if not hasattr(value, "get_xlim"):
-        raise ValueError(f"{show(value)} is not Axes of matplotlib")
-    return value
+    return Annotated[xr.Dataset, Fitting(need, has_it)]
 
 
 Cube = TypeAliasType("Cube", _dataset("a cube, as sweep and open_cube return it", "outcome"))
@@ -102,7 +94,8 @@ Thresholds = TypeAliasType(
     "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
 )
 MatplotlibAxes = TypeAliasType(
-    "MatplotlibAxes", Annotated[Axes, Fitting("Axes of matplotlib", _take_axes)]
+    "MatplotlibAxes",
+    Annotated[Axes, Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))],
 )
 
 

@@ -15,8 +15,7 @@ from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
 from ...study.axes import KIND_OF
-from ...values.faults import Faults, line_at
-from ...values.kinds import Kind, Quantity
+from ...values.kinds import Kind, Quantity, read_each
 from ...values.quantities import Damper
 from ...values.records import record, row_of_kinds, told
 from .shots import Shots, check_ranges, read_shots, shots_from
@@ -37,15 +36,7 @@ class RangeKind(Kind):
         """Read a pair of values."""
         if not isinstance(value, list) or len(value) != 2:
             raise ValueError(f"{describe(value)} is not {self.need}")
-        ends, faults = [], []
-        for place, end in enumerate(value):
-            try:
-                ends.append(self.of.read(end))
-            except ValueError as error:
-                faults.append(line_at((place,), str(error)))
-        if faults:
-            raise Faults(*faults)
-        return ends
+        return read_each(self.of, value)
 
     def schema(self) -> dict:
         """Describe a pair."""
