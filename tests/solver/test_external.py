@@ -128,9 +128,7 @@ def test_an_interrupted_run_keeps_what_it_knows_and_the_next_asks_for_the_rest(
     file, asked = tmp_path / "new" / "runs.csv", ([300.0, 1500.0], [25.0])
     kept = snapmap.reference(solver=limited, kept=str(file))
     LICENCE[0] = 25
-    where = (
-        r".+test_external\.py, line \d+: limited at N = \d+\.\d+, f0 = \d+ Hz, C = 25 uN\*us/um"
-    )
+    where = r".+test_external\.py, line \d+: limited at N = \d+\.\d+, f0 = \d+ Hz, C = 25 uN\*us/um"
     with pytest.raises(
         ValueError, match=rf"\Amodel\.laws: {where}: RuntimeError: the licence has expired\Z"
     ):
