@@ -122,7 +122,7 @@ def _cells(model, case, limit):
 
 
 def _to_runs(observed):
-    outcome = label(*observed[:4], Run().energy_tolerance)
+    outcome = label(observed, Run().energy_tolerance)
     return Runs(outcome, observed.t_snap, observed.t_settled, observed.energy_error)
 
 

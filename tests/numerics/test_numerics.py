@@ -7,7 +7,7 @@ import pytest
 
 from snapmap.numerics import portable
 from snapmap.numerics.kernels import sine
-from snapmap.numerics.linalg import apply, dot, eigenvalues, eigh, multiply, solve
+from snapmap.numerics.linalg import apply, dot, eigh, multiply, solve
 from snapmap.numerics.portable import geometric, linear
 
 SIZES = [1, 2, 3, 8, 19]
@@ -84,10 +84,9 @@ def test_eigenvectors_are_orthonormal_in_the_mass_and_ascend(size):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_eigenvalues_alone_are_those_with_vectors(size):
+def test_eigenvalues_do_not_depend_on_other_matrices(size):
     a, _ = matrices(size, count=600)
-    assert np.array_equal(eigenvalues(a), eigh(a)[0])
-    assert np.array_equal(eigenvalues(a[7]), eigh(a[7])[0])
+    assert np.array_equal(eigh(a)[0][7], eigh(a[7])[0])
 
 
 def test_small_eigenvalues_keep_their_digits_where_lapack_loses_them():

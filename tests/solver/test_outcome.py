@@ -11,7 +11,7 @@ import snapmap
 from snapmap.applications.histories.motion import record
 from snapmap.device.device import batch
 from snapmap.pulse.pulse import make_pulse
-from snapmap.solver.cells import to_cells
+from snapmap.solver.cells import Observations, to_cells
 from snapmap.solver.kernel.pulse import BLOCK
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines, Elements
@@ -34,9 +34,10 @@ def test_labels_say_what_was_observed():
     nan = np.nan
     t_snap = [nan, nan, 5, 5, 5, 5, nan, nan]
     t_settled, well = [nan, 9, nan, 9, 9, 9, nan, 9], [0, 1, 0, 2, 1, 2, 0, 1]
-    seen = np.array([t_snap, t_settled, well, [0, 0, 0, 0, 0, 0.1, nan, np.inf]])
+    columns = t_snap, t_settled, well, [0, 0, 0, 0, 0, 0.1, nan, np.inf]
+    seen = Observations(*map(np.array, columns), *[None] * 4)
     expected = [UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, FAILED, FAILED]
-    assert label(*seen, 1e-3).tolist() == expected
+    assert label(seen, 1e-3).tolist() == expected
     assert OUTCOMES[LATCHED] == "latched"
 
 
@@ -59,7 +60,7 @@ def test_a_latched_beam_never_rises_past_the_saddle_again(handout):
     model, saddle = build_model(device, Cosines(modes=3)), -device.beam.rise / 3
     cells = to_cells(device, 0, *random_cells(30, 2, [25.0, 200.0]), 6000.0)
     seen, dt = model.follow_once(cells, Run(6000.0)), model.steps.of(cells, STAY)
-    outcome = label(*seen[:4], Run().energy_tolerance)
+    outcome = label(seen, Run().energy_tolerance)
     snapped = np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))
     for i in snapped:
         time, w = recorded(model, cells, i, dt[i], int(2e4 / dt[i]))
@@ -82,7 +83,7 @@ def test_a_run_whose_energy_error_exceeds_its_margin_proves_nothing(handout, con
     away = (nearby[0] == nearby[1]) & (nearby[1] == nearby[2])
     for step in (0.8, 1.0):
         seen = follow(N, step)
-        outcome = label(*seen[:4], settings.energy_tolerance)
+        outcome = label(seen, settings.energy_tolerance)
         proven = np.isin(outcome, PROVEN)
         assert (seen.energy_error[proven] <= Run().energy_tolerance).all()
         never = (outcome == NEVER) & away

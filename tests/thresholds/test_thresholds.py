@@ -164,7 +164,7 @@ def test_what_latches_from_a_shock_on_does_so_in_longer_steps_too(handout):
     for factor in (1.0, LONGER):
         cells = rows.take(latching).cells(model.device, N, 1500.0)
         seen = model.with_step(factor).follow(cells, settings)
-        latches = label(*seen[:4], settings.energy_tolerance) == LATCHED
+        latches = label(seen, settings.energy_tolerance) == LATCHED
         assert latches[:, 1].all() and (factor > 1 or latches.all())
     edges = flat.threshold(damped, f0[:2], C, model="cosines")
     np.testing.assert_array_equal(edges.N_latched, edges.N_first)

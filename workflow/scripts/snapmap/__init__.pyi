@@ -12,11 +12,11 @@ from .figures.maps import plot_outcome as plot_outcome
 from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse import sampled as sampled
 from .pulse.recorded import read_pulse as read_pulse
-from .solver.laws import reference as reference
 from .solver.options import Auto as Auto
 from .solver.options import Cosines as Cosines
 from .solver.options import Elements as Elements
 from .solver.options import Reference as Reference
+from .solver.options import reference as reference
 from .solver.settings import Run as Run
 from .study.study import Study as Study
 from .study.variables import words as words

@@ -4,6 +4,7 @@ The symmetric shapes are cosines, phi_n = 1 - cos(2 n pi x / L). The antisymmetr
 psi_n = sin(mu_n y / L) / sin(mu_n / 2) - 2 y / L with y = x - L/2 and tan(mu_n/2) = mu_n/2.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -50,7 +51,8 @@ def buckling_shapes(cosines: int) -> Basis:
     halves = np.stack([0 * mu + 1, inner, 0 * mu, -inner, 0 * mu - 1])
     # The integral of psi_m psi_n over the span is 1/3, and 1/2 more for m = n.
     mass = np.full((cosines, cosines), 1 / 3) + np.eye(cosines) / 2
-    return Basis(
+    return replace(
+        symmetric,
         mass=block_diagonal(symmetric.mass, mass),
         bending=block_diagonal(symmetric.bending, np.diag(square * square / 2)),
         geometric=block_diagonal(symmetric.geometric, np.diag(square / 2)),
@@ -60,9 +62,6 @@ def buckling_shapes(cosines: int) -> Basis:
         project=lambda a: _resized(symmetric.project(a), 2 * cosines),
         tilt=tilt,
         curvature=np.hstack([symmetric.curvature, square * halves]),
-        flexibility=_midpoint_flexibility,
-        bent=_bent,
-        complete=False,
     )
 
 

@@ -13,7 +13,7 @@ from ..beam.modal import natural_frequency
 from ..device.curved_beam import BEAM_VALUES, COSINES
 from ..device.device import OF_MASS, Beam, Device
 from ..values.faults import Faults
-from ..values.kinds import Fitting, kind_of
+from ..values.kinds import Kind, kind_of
 from ..values.paths import ExistingPath
 from ..values.quantities import Quality
 from ..values.reading import read
@@ -143,14 +143,17 @@ class DeviceSection(Device):
         return float(np.sqrt(self.spring * self.mass) / self.quality_factor)
 
 
-def _take_source(value):
-    return value if isinstance(value, Mapping) else kind_of(ExistingPath).take(value)
+class SourceKind(Kind):
+    """A path, or a mapping."""
+
+    need = "a path, or a mapping of a device"
+
+    def take(self, value: object) -> object:
+        """Take a mapping, or the path of a file that is there."""
+        return value if isinstance(value, Mapping) else kind_of(ExistingPath).take(value)
 
 
-Source = TypeAliasType(
-    "Source",
-    Annotated[str | PathLike | Mapping, Fitting("a path, or a mapping of a device", _take_source)],
-)
+Source = TypeAliasType("Source", Annotated[str | PathLike | Mapping, SourceKind()])
 
 
 def load_device(source: Source) -> Device:

@@ -8,8 +8,7 @@ from typing_extensions import TypeAliasType
 from ..device.curved_beam import COSINES
 from ..files.named import inside
 from ..files.text import describe, is_title
-from ..values.faults import Faults, few
-from ..values.kinds import Kind, Quantity
+from ..values.kinds import Kind, Quantity, read_each
 
 
 class TitleKind(Kind):

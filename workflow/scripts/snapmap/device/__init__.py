@@ -1,5 +1,1 @@
 """The device that is shaken: quantities and units, the beam and its shape as made, the mass."""
-
-from .device import Beam, Device, batch
-
-__all__ = ["Beam", "Device", "batch"]

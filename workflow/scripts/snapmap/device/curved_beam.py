@@ -12,18 +12,9 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.text import show
+from ..values import quantities as of
 from ..values.fields import hints
-from ..values.kinds import Fitting, Number, kind_of
-from ..values.quantities import (
-    Clamp,
-    Density,
-    Distance,
-    Length,
-    Modulus,
-    Part,
-    Rate,
-    Stress,
-)
+from ..values.kinds import Kind, Number, kind_of
 from ..values.records import record
 from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
@@ -36,17 +27,28 @@ FLAT = 1e-8
 """Rise of a straight beam over its buckled rise: it makes one of two equal shapes the first."""
 
 
-def _take_free(value):
-    """Convert true or false, or a batch of 1 and 0, to floats."""
-    array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
-    if array is None or not np.isin(array, (0, 1)).all():
-        raise ValueError(f"{show(value)} is not true (free to tilt) or false (guided)")
-    return array.astype(float) if array.ndim else float(array)
+class FreeKind(Kind):
+    """True or false, or a batch of these, held as floats 1 and 0."""
+
+    need = "true or false"
+
+    def take(self, value: object) -> Number:
+        """Convert true or false, or 1 and 0, to floats."""
+        array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
+        if array is None or not np.isin(array, (0, 1)).all():
+            raise ValueError(f"{show(value)} is not true (free to tilt) or false (guided)")
+        return array.astype(float) if array.ndim else float(array)
+
+    def write(self, value: float) -> bool:
+        """Write true or false."""
+        return bool(value)
+
+    def schema(self) -> dict:
+        """Describe true or false."""
+        return {"type": "boolean"}
 
 
-Free = TypeAliasType(
-    "Free", Annotated[bool, Fitting("true or false", _take_free, (("type", "boolean"),))]
-)
+Free = TypeAliasType("Free", Annotated[bool, FreeKind()])
 
 
 @record
@@ -61,56 +63,51 @@ class Beam:
     10.0
     """
 
-    span: Length
+    span: of.Length
     """distance between the clamps"""
-    rise: Distance
+    rise: of.Distance
     """height of the midpoint as made; a straight beam, which compression must buckle, has 0"""
-    thickness: Length
+    thickness: of.Length
     """thickness in the direction of motion"""
-    depth: Length
+    depth: of.Length
     """width across the plane of motion; of a double beam, of both beams together"""
-    youngs_modulus: Modulus
+    youngs_modulus: of.Modulus
     """Young's modulus"""
-    density: Density
+    density: of.Density
     """density of the beam"""
-    damping: Rate = 0.0
+    damping: of.Rate = 0.0
     """viscous drag per unit mass; oscillations decay at half this rate"""
-    residual_stress: Stress = 0.0
+    residual_stress: of.Stress = 0.0
     """axial stress before the beam bends; tension is positive"""
-    imperfection: Distance = 0.0
+    imperfection: of.Distance = 0.0
     """amplitude of the first antisymmetric shape as made; a free beam needs one above 0"""
     free: Free = 0.0
     """whether the beam can tilt; a guided beam cannot"""
-    clamp_axial: Clamp = math.inf
+    clamp_axial: of.Clamp = math.inf
     """stiffness of each clamp along the beam; rigid if left out"""
-    cosine_2: Part = 0.0
+    cosine_2: of.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_3: Part = 0.0
+    cosine_3: of.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_4: Part = 0.0
+    cosine_4: of.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_5: Part = 0.0
+    cosine_5: of.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
 
     def __post_init__(self):
         """Raise ValueError for values that do not fit each other."""
-        for holds, words, *values in self._rules():
-            require(holds, words, *values)
-        warn_of_si("beam: ", "span", vars(self), BEAM_UNITS)
-
-    def _rules(self):
-        """Yield conditions beyond the ranges, each with a complaint and the values it quotes."""
         tilt = self.imperfection
         guided, perfect = np.equal(self.free, 0), np.equal(tilt, 0)
         lacks = "imperfection: {:g} um never tilts a free beam; write one such as 0.01 um"
-        yield guided | ~perfect, lacks, tilt
+        require(guided | ~perfect, lacks, tilt)
         tilts = "imperfection: {:g} um needs a beam free to tilt; write free: true"
-        yield perfect | ~guided, tilts, tilt
+        require(perfect | ~guided, tilts, tilt)
         steep = "imperfection: {:g} um is more than a tenth of the span; write less"
-        yield np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt
+        require(np.less_equal(tilt, np.divide(self.span, 10)), steep, tilt)
         Q = np.divide(self.rise, self.thickness)
         thin = "thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that gives Q up to "
-        yield np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q
+        require(np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q)
+        warn_of_si("beam: ", "span", vars(self), BEAM_UNITS)
 
     def require_second_shape(self) -> None:
         """Raise ValueError if the beam, or one of a batch, has no second stable shape."""

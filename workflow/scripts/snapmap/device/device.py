@@ -9,26 +9,9 @@ from dataclasses import asdict
 
 import numpy as np
 
+from ..values import quantities as of
 from ..values.fields import hints
 from ..values.kinds import Number, Quantity, kind_of
-from ..values.quantities import (
-    Acceleration,
-    Contact,
-    Expansion,
-    Exponent,
-    Force,
-    Gap,
-    LeastStrength,
-    LeftOut,
-    Mass,
-    Position,
-    Restitution,
-    Stiffness,
-    Strength,
-    Temperature,
-    Travel,
-    WeibullModulus,
-)
 from ..values.records import assemble, record
 from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
@@ -64,42 +47,42 @@ class Device:
 
     beam: Beam
     """dimensions and material of the beam"""
-    mass: Mass
+    mass: of.Mass
     """moving mass; `none` for a beam alone, without spring, contact, gap, stops and C"""
-    spring: Stiffness | LeftOut = None
+    spring: of.Stiffness | of.LeftOut = None
     """stiffness of the spring that holds the mass; required, unless `mass` is none"""
-    contact: Contact | LeftOut = None
+    contact: of.Contact | of.LeftOut = None
     """stiffness of the place of impact, or `hard`; required, unless `mass` is none"""
-    gravity: Acceleration | LeftOut = None
+    gravity: of.Acceleration | of.LeftOut = None
     """the unit of N; required, or `force`"""
-    gap: Gap = 0.0
+    gap: of.Gap = 0.0
     """distance between mass and midpoint at rest"""
-    force: Force = 0.0
+    force: of.Force = 0.0
     """the unit of N if the pulse pushes the midpoint of a beam without mass; replaces `gravity`"""
-    stop_toward: Travel = math.inf
+    stop_toward: of.Travel = math.inf
     """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
-    stop_away: Travel = math.inf
+    stop_away: of.Travel = math.inf
     """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
-    restitution: Restitution = RESTITUTION
+    restitution: of.Restitution = RESTITUTION
     """share of its speed that the mass keeps at a stop"""
-    temperature: Temperature | LeftOut = None
+    temperature: of.Temperature | of.LeftOut = None
     """temperature at which modulus and stress hold; that of `reference_temperature` if left out"""
-    reference_temperature: Temperature = REFERENCE
+    reference_temperature: of.Temperature = REFERENCE
     """temperature at which C holds"""
-    modulus_slope: Expansion = 0.0
+    modulus_slope: of.Expansion = 0.0
     """relative change of Young's modulus"""
-    expansion_mismatch: Expansion = 0.0
+    expansion_mismatch: of.Expansion = 0.0
     """thermal expansion of the beam minus that of the frame"""
-    damper_exponent: Exponent = 0.0
+    damper_exponent: of.Exponent = 0.0
     """power of the absolute temperature with which C grows"""
-    strength: Strength = math.inf
+    strength: of.Strength = math.inf
     """stress at which the beam breaks, never if left out; with a Weibull modulus, the excess over
     `strength_threshold` at which 63 % of beams break"""
-    strength_modulus: WeibullModulus = math.inf
+    strength_modulus: of.WeibullModulus = math.inf
     """Weibull modulus of the strength: the larger, the less scatter; no scatter if left out"""
-    strength_threshold: LeastStrength = 0.0
+    strength_threshold: of.LeastStrength = 0.0
     """stress below which no beam breaks"""
-    contact_at: Position = -math.inf
+    contact_at: of.Position = -math.inf
     """w(L/2) where the beam touches an electrode; no electrode if left out"""
 
     @classmethod
@@ -236,9 +219,6 @@ FIXED = {
 }
 VALUES = tuple(key for key in KINDS if key not in FIXED)
 """Names of the values in which devices of a study may differ."""
-SIGNED = tuple(key for key in VALUES if KINDS[key].bounds.low < 0)
-FROM_ZERO = tuple(key for key in VALUES if KINDS[key].bounds.low_fits and key not in SIGNED)
-"""Names of the values that may be negative (SIGNED) or zero; all others are positive."""
 
 
 def batch(devices: Sequence[Device]) -> Device:

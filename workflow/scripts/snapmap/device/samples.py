@@ -9,9 +9,9 @@ from typing_extensions import TypeAliasType
 
 from ..files.text import show
 from ..values.faults import at_key
-from ..values.kinds import Fitting, Kind, Whole
+from ..values.kinds import Fitting, Kind, Single, Whole
 from ..values.units import is_plain, plain_numbers, unit_of
-from .device import FROM_ZERO, KINDS, OF_MASS, SIGNED, VALUES, Device
+from .device import KINDS, OF_MASS, VALUES, Device
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
 """Names of the device's values that may scatter; its temperature does not."""
@@ -24,16 +24,15 @@ FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """Most cells that are followed to their end; at least the cells of so many samples are."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
+_FACTOR = Single("a factor")
 DIGITS = 7
 """Decimals to which deviations over their width are rounded, so libraries cannot differ."""
 
 
-def _take_groups(value):
+def _are_groups(value):
     groups = value if isinstance(value, list | tuple) else [value]
     are_lists = all(isinstance(group, list | tuple) for group in groups)
-    if not are_lists or not all(isinstance(key, str) for group in groups for key in group):
-        raise ValueError(f"{show(value)} is not a list of groups of names, as [[span, rise]]")
-    return value
+    return are_lists and all(isinstance(key, str) for group in groups for key in group)
 
 
 class ScattersKind(Kind):
@@ -60,11 +59,9 @@ def _take_width(key, width):
 
 
 Samples = TypeAliasType("Samples", Annotated[int, Whole(2, 100_000)])
-_GROUPS = (("type", "array"), ("items", {"type": "array", "items": {"type": "string"}}))
-Groups = TypeAliasType(
-    "Groups",
-    Annotated[Sequence[Sequence[str]], Fitting("a list of groups of names", _take_groups, _GROUPS)],
-)
+_JSON = (("type", "array"), ("items", {"type": "array", "items": {"type": "string"}}))
+_GROUPS = Fitting("a list of groups of names, as [[span, rise]]", _are_groups, _JSON)
+Groups = TypeAliasType("Groups", Annotated[Sequence[Sequence[str]], _GROUPS])
 Scatters = TypeAliasType("Scatters", Annotated[Mapping[str, float | str | Mapping], ScattersKind()])
 
 
@@ -193,8 +190,8 @@ class Plan:
             for key in keys
         }
         for key, column in values.items():
-            least = 0.0 if key in FROM_ZERO else np.finfo(float).tiny
-            if key not in SIGNED and (wrong := column[~(column >= least)]).size:
+            wrong = column[~KINDS.get(key, _FACTOR).bounds.holds(column)]
+            if wrong.size:
                 raise ValueError(
                     f"tolerances.{key}: a sample has the impossible value {wrong[0]:.4g}; write "
                     f"truncated or lognormal, or a smaller scatter about {self.nominal[key]:g}"

@@ -82,28 +82,24 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _object(made, need, fits):
-    """Make the kind of an object of a class that fits."""
-
-    def take(value):
-        if not fits(value):
-            raise ValueError(f"{show(value)} is not {need}")
-        return value
-
-    return Annotated[made, Fitting(need, take)]
-
-
 def _dataset(need, *variables):
-    fits = lambda value: isinstance(value, xr.Dataset) and {*variables} <= {*value}  # noqa: E731
-    return _object(xr.Dataset, need, fits)
+    """Make the kind of a dataset that has some variables."""
+
+    def has_them(value):
+        return isinstance(value, xr.Dataset) and {*variables} <= {*value}
+
+    return Annotated[xr.Dataset, Fitting(need, has_them)]
 
 
 CELLS = "a cube, as sweep and open_cube return it"
 Cube = TypeAliasType("Cube", _dataset(CELLS, "outcome", "t_snap"))
-OF_THRESHOLDS = _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-Thresholds = TypeAliasType("Thresholds", OF_THRESHOLDS)
-OF_AXES = _object(Axes, "Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
-MatplotlibAxes = TypeAliasType("MatplotlibAxes", OF_AXES)
+Thresholds = TypeAliasType(
+    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
+)
+MatplotlibAxes = TypeAliasType(
+    "MatplotlibAxes",
+    Annotated[Axes, Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))],
+)
 
 
 def plot_outcome(

@@ -116,39 +116,58 @@ def _hash(folder):
 
 SEAL = b"SHA-256 of all bytes before: "
 """This and 32 bytes of hash end each file of numba's cache: a damaged file makes LLVM abort."""
-_CacheFile = caching.IndexDataCacheFile
-_numba_save, _numba_load = _CacheFile.save, _CacheFile.load
-_numba_open = _CacheFile._open_for_write
-_numba_load_index, _numba_load_data = _CacheFile._load_index, _CacheFile._load_data
 PATIENCE = 300
 """Seconds to wait for another process that compiles a kernel; none takes longer."""
 _claims = {}
 """Locked files by the kernels that this process compiles; each is open until its kernel is kept."""
 
 
-@contextmanager
-def _open_sealed(file, path):
-    with _numba_open(file, path) as part:
-        yield part
-        part.flush()
-        part.write(SEAL + hashlib.sha256(Path(part.name).read_bytes()).digest())
+class _CacheFile(caching.IndexDataCacheFile):
+    """A list of kernels and these, whole or absent; each is compiled by a single process."""
 
+    def load(self, key):
+        """Load a kernel, perhaps once another process has compiled it; or claim it for this one."""
+        kernel, claim = super().load(key), (self._index_path, key)
+        if kernel is None and claim not in _claims:
+            name = hashlib.sha256(repr(key).encode()).hexdigest()[:12]
+            with suppress(OSError):
+                _claims[claim] = _locked(f"{self._index_path}.{name}.lock")
+                kernel = super().load(key)
+        if kernel is not None:
+            _release(claim)
+        return kernel
 
-def _load_index(file):
-    """Read the index of the kernels on disk; a damaged one counts as empty."""
-    with suppress(Exception):  # a damaged pickle may raise anything
-        _require_whole(file._index_path)
-        return _numba_load_index(file)
-    return {}
+    def save(self, key, data):
+        """Add a kernel to the list, if the disk has room, while no other process adds one.
 
+        Two processes at once would give two kernels the same number, and one would be called as
+        both.
+        """
+        with suppress(OSError), _locked(f"{self._index_path}.lock"):
+            super().save(key, data)
+        _release((self._index_path, key))
 
-def _load_data(file, name):
-    """Read a kernel; raises OSError if it is damaged, and numba then compiles it anew."""
-    try:
-        _require_whole(file._data_path(name))
-        return _numba_load_data(file, name)
-    except Exception as fault:
-        raise OSError(str(fault)) from fault
+    @contextmanager
+    def _open_for_write(self, path):
+        with super()._open_for_write(path) as part:
+            yield part
+            part.flush()
+            part.write(SEAL + hashlib.sha256(Path(part.name).read_bytes()).digest())
+
+    def _load_index(self):
+        """Read the list of the kernels on disk; a damaged one counts as empty."""
+        with suppress(Exception):  # a damaged pickle may raise anything
+            _require_whole(self._index_path)
+            return super()._load_index()
+        return {}
+
+    def _load_data(self, name):
+        """Read a kernel; raises OSError if it is damaged, and numba then compiles it anew."""
+        try:
+            _require_whole(self._data_path(name))
+            return super()._load_data(name)
+        except Exception as fault:
+            raise OSError(str(fault)) from fault
 
 
 def _require_whole(path):
@@ -173,38 +192,9 @@ def _locked(path):
     return file
 
 
-def _load_or_claim(file, key):
-    """Load a kernel, perhaps after another process has compiled it; else claim it for this one."""
-    kernel, claim = _numba_load(file, key), (file._index_path, key)
-    if kernel is None and claim not in _claims:
-        name = hashlib.sha256(repr(key).encode()).hexdigest()[:12]
-        with suppress(OSError):
-            _claims[claim] = _locked(f"{file._index_path}.{name}.lock")
-            kernel = _numba_load(file, key)
-    if kernel is not None:
-        _release(claim)
-    return kernel
-
-
 def _release(claim):
     if claim in _claims:
         _claims.pop(claim).close()
-
-
-def _save_alone(file, key, data):
-    """Add a kernel to numba's cache, if the disk has room, while no other process adds one.
-
-    Two processes at once would give two kernels the same number, and one would be called as both.
-    """
-    with suppress(OSError), _locked(f"{file._index_path}.lock"):
-        _numba_save(file, key, data)
-    _release((file._index_path, key))
-
-
-# numba has no public hook for these.
-_CacheFile.load, _CacheFile.save = _load_or_claim, _save_alone
-_CacheFile._open_for_write = _open_sealed
-_CacheFile._load_index, _CacheFile._load_data = _load_index, _load_data
 
 
 class Reporter(event.Listener):

@@ -114,12 +114,7 @@ def _cholesky(a):
     return lower
 
 
-def eigenvalues(a: np.ndarray) -> np.ndarray:
-    """Return the eigenvalues, (..., n), ascending, of symmetric matrices, (..., n, n)."""
-    return np.sort(_rotate(a, keep_vectors=False)[0], axis=-1)
-
-
-def _rotate(a, keep_vectors=True):
+def _rotate(a):
     """Diagonalise symmetric matrices by Jacobi's rotations (Golub & Van Loan, 8.5)."""
     *leading, n, _ = a.shape
     matrices = _matrices_last(np.asarray(a))
@@ -127,9 +122,8 @@ def _rotate(a, keep_vectors=True):
     for block in _blocks(matrices):
         a = np.array(matrices[..., block], float)
         rows = np.repeat(np.eye(n)[..., np.newaxis], a.shape[-1], axis=-1)
-        turned = (a, a.swapaxes(0, 1), rows) if keep_vectors else (a, a.swapaxes(0, 1))
         for _ in range(SWEEPS):
-            if not any([_rotate_pairs(a, turned, p, q) for p, q in _rounds(n)]):
+            if not any([_rotate_pairs(a, rows, p, q) for p, q in _rounds(n)]):
                 break
         values[:, block], vectors[..., block] = np.diagonal(a).T, rows
     values = values.T.reshape(*leading, n)
@@ -151,10 +145,10 @@ def _rounds(n):
     return [np.array(pairs).T for pairs in rounds if pairs]
 
 
-def _rotate_pairs(a, turned, p, q):
+def _rotate_pairs(a, vectors, p, q):
     """Rotate the a_pq of a round to zero, in place; returns whether any was above NEGLIGIBLE.
 
-    a: (n, n, matrices); turned: arrays whose rows p and q are rotated: a, its transpose, vectors
+    a: (n, n, matrices); vectors: the rows of which are rotated as those of a and its transpose
     """
     a_pp, a_qq, a_pq = a[p, p], a[q, q], a[p, q]
     needed = np.abs(a_pq) > NEGLIGIBLE * np.sqrt(np.abs(a_pp)) * np.sqrt(np.abs(a_qq))
@@ -165,7 +159,7 @@ def _rotate_pairs(a, turned, p, q):
     t = np.where(needed, t, 0.0)
     c = (1 / np.sqrt(t * t + 1))[:, np.newaxis]
     s = t[:, np.newaxis] * c
-    for rows in turned:
+    for rows in (a, a.swapaxes(0, 1), vectors):
         above, below = rows[p], rows[q]
         rows[p], rows[q] = c * above - s * below, s * above + c * below
     a[p, p], a[q, q] = a_pp - t * a_pq, a_qq + t * a_pq

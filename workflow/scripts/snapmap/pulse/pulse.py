@@ -76,7 +76,8 @@ class Pulse:
     name
         What stands in files and figures.
     pieces
-        Lines and waves, (pieces, 6): begin, value, slope, turns per duration, lift and swing.
+        Lines and waves, (pieces, 6): begin, value, slope, turns per duration, lift and swing, as in
+        `numerics.pieces`.
     duration
         Duration of a recorded shock, train or drop, us; None where f0 sets it.
     peak
@@ -86,11 +87,11 @@ class Pulse:
     notes
         Warnings about a recorded shock.
     blows
-        x at which each blow of a train begins, ascending.
+        x at which each blow of a train begins, ascending; empty for other pulses.
     swing
-        Share of the duration that the fastest change of a train takes.
+        Share of the duration that the fastest change of a train takes; 1 for other pulses.
     strongest
-        The blow of a train that changes the velocity most.
+        The blow of a train that changes the velocity most, in units of the train's peak.
 
     Examples
     --------
@@ -101,18 +102,13 @@ class Pulse:
 
     name: str
     pieces: np.ndarray
-    """(pieces, 6), as in `numerics.pieces`."""
     duration: float | None = None
     peak: float = np.nan
     section: Mapping = field(default_factory=dict)
-    """The section `pulse` of a config that makes this pulse."""
     notes: tuple[str, ...] = ()
     blows: np.ndarray = field(default_factory=lambda: np.empty(0))
-    """x at which each blow of a train begins, ascending; empty for other pulses."""
     swing: float = 1.0
-    """Share of the duration that the fastest change of a train takes; 1 for other pulses."""
     strongest: "Pulse | None" = None
-    """The blow of a train that changes the velocity most, in units of the train's peak."""
 
     def __post_init__(self):
         if not isinstance(self.name, str):

@@ -9,7 +9,7 @@ from typing_extensions import TypeAliasType
 
 from ..files.named import naming, read_named
 from ..files.tables import read_table
-from ..files.text import NAME, is_name, show
+from ..files.text import NAME, is_name
 from ..values.kinds import Fitting
 from ..values.paths import ExistingPath
 from .pulse import G, Pulse, sampled
@@ -22,13 +22,12 @@ ACCELERATIONS = {"g": G, "m/s^2": 1e-6, "m/s2": 1e-6, "m/s²": 1e-6, "m/s**2": 1
 """Factors to us and um/us^2, by unit."""
 
 
-def _take_hash(value):
-    if not (isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value)):
-        raise ValueError(f"{show(value)} is not the 64 hexadecimal digits of a SHA-256")
-    return value
+def _is_hash(value):
+    return isinstance(value, str) and re.fullmatch("([0-9a-f]{64})?", value)
 
 
-Hash = TypeAliasType("Hash", Annotated[str, Fitting("64 hexadecimal digits", _take_hash)])
+_HASH = Fitting("the 64 hexadecimal digits of a SHA-256", _is_hash)
+Hash = TypeAliasType("Hash", Annotated[str, _HASH])
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:

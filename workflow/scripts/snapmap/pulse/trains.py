@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 
 from ..files.text import show
 from ..values.faults import at_key
-from ..values.kinds import Fitting, Single, Whole
+from ..values.kinds import Kind, Single, Whole
 from ..values.quantities import Height, PulseTime
 from ..values.records import build, record, told
 from .pulse import Form, G, Pulse
@@ -22,15 +22,24 @@ LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
 
 
-def _take_peak(value):
-    number = Single("a plain number", "", "2", "(-inf, inf)").take(value)
-    if number == 0:
-        raise ValueError("0 is no blow; write a number above or below 0, or a wait")
-    return number
+class PeakKind(Kind):
+    """The peak of a blow, which is not 0."""
+
+    need = "a plain number"
+
+    def take(self, value: object) -> float:
+        """Convert a number."""
+        number = Single("a plain number", "", "2", "(-inf, inf)").take(value)
+        if number == 0:
+            raise ValueError("0 is no blow; write a number above or below 0, or a wait")
+        return number
+
+    def schema(self) -> dict:
+        """Describe a number."""
+        return {"type": "number"}
 
 
-_JSON = (("type", "number"),)
-Peak = TypeAliasType("Peak", Annotated[float, Fitting("a plain number", _take_peak, _JSON)])
+Peak = TypeAliasType("Peak", Annotated[float, PeakKind()])
 Times = TypeAliasType("Times", Annotated[int, Whole(1)])
 Rebound = TypeAliasType(
     "Rebound", Annotated[float, Single("a plain number", "", "0.3", "[0, 0.99]")]
@@ -101,7 +110,7 @@ def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
     parts, section = [], []
     for place, item in enumerate(items):
         with at_key("train", place):
-            item = _of(Blow, item)
+            item = build(Blow, item)
         section.append(told(item))
         if item.repeat is None:
             parts.append(_blow(item, item.N) if item.wait is None else _flat(item.wait, 0.0))
@@ -113,15 +122,6 @@ def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
     return _joined("train", parts, section)
 
 
-def _of(made, values):
-    """Make a record of a mapping; leave a record as it is."""
-    if isinstance(values, made):
-        return values
-    if not isinstance(values, Mapping):
-        raise ValueError(f"{show(values)} is not a mapping")
-    return build(made, values)
-
-
 def make_drop(drop: Drop | Mapping) -> Pulse:
     """Make a pulse of a free fall from rest, a blow, and the flights and blows of its rebounds.
 
@@ -129,7 +129,7 @@ def make_drop(drop: Drop | Mapping) -> Pulse:
     Raises ValueError, one line, for another mapping or a blow below 1 g.
     """
     with at_key("drop"):
-        drop = _of(Drop, drop)
+        drop = build(Drop, drop)
     rebound, velocity = drop.rebound, math.sqrt(2 * G * drop.height)
     peak = (1 + rebound) * velocity / _blow(drop).area
     if peak < G:

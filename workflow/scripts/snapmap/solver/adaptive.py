@@ -50,7 +50,7 @@ class Adaptive:
 
     @property
     def levels(self) -> tuple[Follows, Follows]:
-        """The two levels that decide cells."""
+        """The two that decide cells, by the `level` of observations."""
         return self.base, self.top
 
     def with_step(self, factor: float) -> "Adaptive":

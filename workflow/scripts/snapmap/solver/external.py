@@ -4,7 +4,7 @@ import inspect
 import json
 import logging
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from hashlib import blake2b
 from pathlib import Path
@@ -56,10 +56,10 @@ class Answers:
     together: most cells that the solver takes in one call
     """
 
-    def __init__(self, laws: Laws):
-        """Take the laws of the solver, and read the runs that their file has kept."""
-        self.laws, self.known = laws, dict[str, float]()
-        takes_several = next(iter(inspect.signature(laws.solver).parameters)) == "cells"
+    def __init__(self, solver: Callable, laws: Laws):
+        """Take a solver and its laws, and read the runs that their file has kept."""
+        self.solver, self.laws, self.known = solver, laws, dict[str, float]()
+        takes_several = next(iter(inspect.signature(solver).parameters)) == "cells"
         self.together = TOGETHER if takes_several else 1
         if laws.kept:
             with naming(laws.kept):
@@ -85,22 +85,22 @@ class Answers:
 
     def _ask(self, cells, steps):
         """Run the solver; ValueError, one line with its name and N, f0, C, if that goes wrong."""
-        name = self.laws.file or getattr(self.laws.solver, "__name__", "solver")
+        name = self.laws.file or getattr(self.solver, "__name__", "solver")
         N, f0, C = cells[0].place
         where = f"{name} at N = {N:.10g}, f0 = {f0:.10g} Hz, C = {C:.10g} {self.laws.unit_of_C}"
         where = where.rstrip()
         where += f" and {len(cells) - 1} other cells" if len(cells) > 1 else ""
         with of_user(where):
             if self.together == 1:
-                answers = [self.laws.solver(cells[0], steps[0])]
+                answers = [self.solver(cells[0], steps[0])]
             else:
-                answers = list(self.laws.solver(cells, steps))
+                answers = list(self.solver(cells, steps))
         try:
             if len(answers) != len(cells):
                 raise ValueError(f"returns {len(answers)} times; return one for each cell")
             return [_time_of(answer) for answer in answers]
         except ValueError as error:
-            raise fault_of(self.laws.solver, where, str(error)) from None
+            raise fault_of(self.solver, where, str(error)) from None
 
     def _key(self, cell, step):
         """Hash what a run depends on: the solver's file, device, pulse, cell and step."""
@@ -139,7 +139,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
         Cell._make((device, pulse, *values, settings.start))
         for device, pulse, values in zip(devices, pulses, columns, strict=True)
     ]
-    t_snap = np.array(model.laws.solver(alone, dt.tolist()))
+    t_snap = np.array(model.answers(alone, dt.tolist()))
     lost, unknown = np.where(np.isinf(t_snap), np.inf, 0.0), np.full(dt.size, np.nan)
     return t_snap, unknown, np.zeros(dt.size, np.int8), lost, unknown, unknown, unknown
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..beam.modal import ModalBeam
 from ..device.device import Device
 from .kernel.tables import CELLS, least_energy, potentials
-from .laws import REACH, Laws, fault_of, of_user
+from .laws import REACH, Laws, fault_of, forces
 
 CHORDS = 64
 """Chords of a law of the force from the first to the second shape, for its stiffness."""
@@ -63,7 +63,7 @@ def tabulate(laws: Laws, device: Device, modal: ModalBeam) -> Tables:
             values.append(table)
         if laws.force:
             force = len(values)
-            values.append(potentials(_beyond(laws.force, bending), reach))
+            values.append(potentials(partial(_beyond, laws.force, bending), reach))
         rows.append((contact, force, reach, bounded, apart))
     of_devices = [np.array(column)[kind.ravel()] for column in zip(*rows, strict=True)]
     return Tables(np.array(values), *of_devices)
@@ -75,9 +75,7 @@ def well_as_mode(modal: ModalBeam, force: Callable, second: float) -> ModalBeam:
     A table has the difference of the law to this mode.
     """
     x = np.linspace(0.0, second, CHORDS + 1)
-    with of_user("force"):
-        F = np.array([force(place) for place in x.tolist()])
-    stiffness = abs(np.diff(F)).max() / x[1]
+    stiffness = abs(np.diff(forces("force", force, x))).max() / x[1]
     parts = {key: 0.0 * getattr(modal, key) for key in ("geometric", "slope_start", "axial")}
     return modal._replace(stiffness=stiffness * modal.midpoint**2, **parts)
 
@@ -86,12 +84,15 @@ def _one_sided(stiffness, overlap):
     return stiffness * max(0.0, overlap)
 
 
+def _beyond(law, bending, w):
+    """Return the slope of the potential of a law over w, less that of a bending stiffness."""
+    return -forces("force", law, -w) - bending * w
+
+
 def _in_series(law, residual):
     """The contact of mass and kept modes, whose overlap is x = s + residual P(s)."""
 
-    def push(s):
-        with of_user("contact"):
-            return np.array([law(overlap) for overlap in s.tolist()])
+    push = partial(forces, "contact", law)
 
     def of_both(x):
         s = np.sort(x)
@@ -107,13 +108,3 @@ def _in_series(law, residual):
         return push(s)
 
     return of_both if residual else push
-
-
-def _beyond(law, bending):
-    """The slope of the potential of a law of the force over w, less that of a bending stiffness."""
-
-    def pull(w):
-        with of_user("force"):
-            return np.array([-law(-place) for place in w.tolist()]) - bending * w
-
-    return pull

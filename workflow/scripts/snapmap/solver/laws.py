@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from typing_extensions import TypeAliasType
@@ -37,13 +37,7 @@ KEPT = "results/solver_runs.csv"
 """File of the runs of a solver that a config names."""
 
 
-def _take_law(value):
-    if not callable(value):
-        raise ValueError(f"{show(value)} is not a function of numbers")
-    return value
-
-
-Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", _take_law)])
+Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", callable)])
 UNIT = "unit_of_C"
 """Name, beside the laws, of the unit in which the damping or the solver counts C."""
 MODULE = "laws_of_a_study"
@@ -70,7 +64,7 @@ class Laws:
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
-    solver: Any = None
+    solver: Callable | None = None
     file: str = ""
     sha256: str = ""
     unit_of_C: str = INTERNAL
@@ -84,59 +78,7 @@ class Laws:
         return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
 
-def reference(
-    damping: Law | None = None,
-    contact: Law | None = None,
-    force: Law | None = None,
-    solver: Law | None = None,
-    kept: str = "",
-) -> object:
-    """Make a model `reference` with your own laws, for sweep, threshold and simulate.
-
-    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
-
-    Parameters
-    ----------
-    damping
-        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
-    contact
-        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
-        stiffness times overlap.
-    force
-        Function (displacement) that returns the force that holds the midpoint, uN; by default that
-        of the beam.
-    solver
-        Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
-    kept
-        File that keeps each run of the solver in a line, so that no call makes it again. The solver
-        must then be a function in a file; after an edit of that file all runs are made anew.
-
-    Returns
-    -------
-    Reference
-        The model, for `Study(device, model=...)`.
-
-    Raises
-    ------
-    ValueError
-        One line: numba cannot compile a law, there is no law, or a solver stands beside laws.
-
-    Examples
-    --------
-    >>> device = snapmap.load_device("config/config.yaml")
-    >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
-    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
-    'snapped'
-    """
-    from .options import Reference
-
-    given = {"damping": damping, "contact": contact, "force": force, "solver": solver}
-    laws = compile_laws(given)
-    return Reference(laws=_keeping(laws, kept) if kept else laws)
-
-
-def _keeping(laws, kept):
+def keeping(laws: Laws, kept: str) -> Laws:
     """Have runs kept in a file, by the hash of the file of the solver, all that tells of edits."""
     code = getattr(laws.solver, "__code__", None)
     if code is None or code.co_freevars or not os.path.isfile(code.co_filename):
@@ -316,5 +258,10 @@ def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
 def curve(name: str, law: Callable, rise: Number) -> tuple[np.ndarray, np.ndarray]:
     """Sample a law of one displacement: places, um, up to REACH times the rise, and forces, uN."""
     x = REACH * float(np.max(rise)) / POINTS * np.arange(-POINTS, POINTS + 1)
+    return x, forces(name, law, x)
+
+
+def forces(name: str, law: Callable, x: np.ndarray) -> np.ndarray:
+    """Ask a law of one displacement for its forces, uN, at places, um, (n,)."""
     with of_user(name, law):
-        return x, np.array([law(place) for place in x.tolist()])
+        return np.array([law(place) for place in x.tolist()])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from importlib import import_module
 from types import ModuleType
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,30 +36,6 @@ SMALLEST = 2.0**-8
 """Shortest step over the longest step of the question MOVE; a pulse that needs less has failed."""
 
 
-class Follows(Protocol):
-    """The interface of all models, of one discretisation or several."""
-
-    @property
-    def device(self) -> Device:
-        """The device, or the batch to which the indices of cells refer."""
-
-    @property
-    def levels(self) -> tuple["Follows", ...]:
-        """The discretisations by the `level` of observations, the cheapest first."""
-
-    def follow(self, cells: Cells, settings: Run) -> Observations:
-        """Follow cells, (rows, n), whose amplitude ascends in each row; observations likewise."""
-
-    def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
-        """Split indices of devices, of any shape, into masks with the model of each."""
-
-    def with_step(self, factor: float) -> "Follows":
-        """Return the same model with every step multiplied by `factor`."""
-
-    def pick(self, which: int | np.ndarray) -> "Follows":
-        """Return the same model of a device of the batch, or of several."""
-
-
 @dataclass(frozen=True, eq=False)
 class Model:
     """A device or a batch with a discretised beam.
@@ -68,6 +44,7 @@ class Model:
     barrier: between the two shapes of the reduced form
     steps: rule of the time steps
     laws: of a user, in place of some forces; tables: of these, but for `reference`
+    answers: of a user's own solver, in place of all else
     """
 
     name: str
@@ -78,6 +55,7 @@ class Model:
     steps: Steps
     laws: Laws | None = None
     tables: Tables | None = None
+    answers: Answers | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -115,7 +93,7 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        if self.laws and self.laws.solver:
+        if self.answers:
             loop = "external"
         elif self.laws and loop == "plain_loop":
             announce("laws", self.laws, 10)
@@ -137,13 +115,9 @@ class Model:
         barrier = Barrier(*(np.asarray(column)[which] for column in self.barrier))
         device, steps = self.device.pick(which), self.steps.pick(which)
         tables = self.tables and self.tables.pick(which)
-        parts: dict[str, Any] = {
-            "device": device,
-            "modal": modal,
-            "barrier": barrier,
-            "steps": steps,
-        }
-        return replace(self, tables=tables, **parts)
+        return replace(
+            self, device=device, modal=modal, barrier=barrier, steps=steps, tables=tables
+        )
 
     def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
@@ -177,8 +151,7 @@ class Model:
         dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of a call should all be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
-        own = self.laws and self.laws.solver
-        bunch = own.together if own else BUNCH
+        bunch = self.answers.together if self.answers else BUNCH
         threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
         def follow_share(first):
@@ -198,7 +171,7 @@ class Model:
 
 
 def deciders(
-    levels: Sequence[Follows], device: np.ndarray, decided: np.ndarray, which: np.ndarray
+    levels: Sequence["Follows"], device: np.ndarray, decided: np.ndarray, which: np.ndarray
 ) -> Iterator[tuple[np.ndarray, Model]]:
     """Yield indices of cells, out of `which`, and the model that decided them, at its step.
 
@@ -216,8 +189,8 @@ class Mixed(NamedTuple):
     other: mask of the devices that take the second, (devices,)
     """
 
-    first: Follows
-    second: Follows
+    first: "Follows"
+    second: "Follows"
     other: np.ndarray
 
     @property
@@ -240,7 +213,7 @@ class Mixed(NamedTuple):
         """Return the same models with every step multiplied by `factor`."""
         return Mixed(self.first.with_step(factor), self.second.with_step(factor), self.other)
 
-    def pick(self, which: int | np.ndarray) -> Follows:
+    def pick(self, which: int | np.ndarray) -> "Follows":
         """Return the model of a device, or those of several."""
         if np.ndim(which) == 0:
             return (self.second if self.other[which] else self.first).pick(which)
@@ -252,6 +225,11 @@ class Mixed(NamedTuple):
         for mine, model in self.split(cells.device):
             observed.replace(mine, model.follow(cells.take(mine), settings))
         return observed
+
+
+Follows = Model | Mixed
+"""What all models are: of one discretisation for all devices of a batch, or of several. In rows of
+cells, (rows, n), the amplitude ascends."""
 
 
 def mixed(build: Callable[[bool], Follows], other: np.ndarray | bool) -> Follows:
@@ -313,9 +291,8 @@ def _build(device, chosen, is_free):
     if force and name != "reference":
         steps = steps.of_one_mode()
     tables = tabulate(laws, device, modal) if laws and name != "reference" else None
-    if laws and laws.solver:
-        laws = replace(laws, solver=Answers(laws))
-    return Model(name, device, basis, modal, barrier, steps, laws, tables)
+    answers = Answers(laws.solver, laws) if laws and laws.solver else None
+    return Model(name, device, basis, modal, barrier, steps, laws, tables, answers)
 
 
 def require_fitting(device: Device, chosen: Chosen) -> None:

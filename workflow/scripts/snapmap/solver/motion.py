@@ -2,14 +2,19 @@
 
 import numpy as np
 
+from ..beam.basis import PLACES
+from ..beam.stress import stress_of
 from ..device.device import Device
 from ..files.counting import count
-from . import simd_loop
+from ..pulse.pulse import table
 from .adaptive import choose_model
 from .cells import Cells
+from .kernel import trace
+from .lane_laws import raise_error
 from .models import Follows, Model, deciders
 from .options import Chosen, Elements, Reference
 from .settings import Run
+from .simd_loop import coefficients, empty_lanes, in_lanes
 
 STRETCH = 4
 """Number of steps of which the length of a run is a multiple."""
@@ -45,12 +50,35 @@ def follow_stress(
     """
     dt = model.time_steps(cells, settings.but(until="moved"))
     steps = stretch * np.ceil(window / (stretch * dt)).astype(np.int64)
-    rows, stress = simd_loop.stress_rows(model)[cells.device], np.empty(steps.size)
+    rows = stress_rows(model)[cells.device]
+    rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
+    devices = coefficients(model, -np.inf, settings.start)[cells.device]
+    stress = np.full(steps.size, -np.inf)
 
     def follow(these):
-        group = cells.take(these), dt[these], steps[these]
-        stress[these] = simd_loop.largest_stress(model, *group, rows[these], settings.start)
+        """Follow up to LANES cells."""
+        lanes, most, group = empty_lanes(model), stress[these], cells.take(these)
+        loads = *group[1:5], steps[these]
+        of_cells = devices[these], dt[these], table(group.pulses), loads
+        trace.follow_stress(*lanes, *of_cells, rows[these], most)
+        raise_error(model.laws, lanes[2])
+        stress[these] = most
         count(these.size)
 
-    simd_loop.in_lanes(follow, steps, settings.threads)
+    in_lanes(follow, steps, settings.threads)
     return stress
+
+
+def stress_rows(model) -> np.ndarray:
+    """Tabulate the stress of each device's beam, MPa, (devices, PLACES + 1, modes + 2).
+
+    The first PLACES rows are bending stress per coordinate, per contact force, and at rest; in the
+    last row, the last two numbers are axial stress per stretch, and at rest.
+    """
+    tables = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
+    for i, rows in enumerate(tables):
+        picked = model.pick(i)
+        form = stress_of(picked.device.beam, picked.basis, picked.modal.shapes)
+        rows[:-1] = np.column_stack([form.bending, form.residual, form.rest])
+        rows[-1, -2:] = picked.modal.axial / form.area, form.tension
+    return tables

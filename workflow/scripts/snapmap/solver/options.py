@@ -13,7 +13,7 @@ from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.reading import read_part
 from ..values.records import build, record, told
-from .laws import UNIT, Laws, UserLaws, compile_laws
+from .laws import UNIT, Law, Laws, UserLaws, compile_laws, keeping
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -96,6 +96,56 @@ class Reference:
     """the model"""
 
 
+def reference(
+    damping: Law | None = None,
+    contact: Law | None = None,
+    force: Law | None = None,
+    solver: Law | None = None,
+    kept: str = "",
+) -> Reference:
+    """Make a model `reference` with your own laws, for sweep, threshold and simulate.
+
+    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
+
+    Parameters
+    ----------
+    damping
+        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
+    contact
+        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
+        stiffness times overlap.
+    force
+        Function (displacement) that returns the force that holds the midpoint, uN; by default that
+        of the beam.
+    solver
+        Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
+    kept
+        File that keeps each run of the solver in a line, so that no call makes it again. The solver
+        must then be a function in a file; after an edit of that file all runs are made anew.
+
+    Returns
+    -------
+    Reference
+        The model, for `Study(device, model=...)`.
+
+    Raises
+    ------
+    ValueError
+        One line: numba cannot compile a law, there is no law, or a solver stands beside laws.
+
+    Examples
+    --------
+    >>> device = snapmap.load_device("config/config.yaml")
+    >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
+    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
+    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
+    'snapped'
+    """
+    given = {"damping": damping, "contact": contact, "force": force, "solver": solver}
+    laws = compile_laws(given)
+    return Reference(laws=keeping(laws, kept) if kept else laws)
+
+
 Chosen = Auto | Cosines | Elements | Reference
 MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
 
@@ -116,7 +166,7 @@ class ModelKind(Kind):
         if isinstance(value, Mapping):
             return build(self._named(value, show), value)
         if callable(value) and not isinstance(value, type):
-            return Reference(laws=compile_laws({"solver": value}))
+            return reference(solver=value)
         if not isinstance(value, str) or value not in MODELS:
             raise ValueError(f"{show(value)} is not {self.need}")
         return MODELS[value]()

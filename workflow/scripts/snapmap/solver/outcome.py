@@ -1,51 +1,32 @@
 """Outcomes, the labels of cells, from observations; and differences between two runs."""
 
 from collections.abc import Mapping
-from enum import IntEnum
 
 import numpy as np
 
 from .cells import Observations
 
-
-class Outcome(IntEnum):
-    """Outcome of a cell; `ABSENT` if its device has no second stable shape."""
-
-    UNSNAPPED = 0
-    NEVER = 1
-    SNAPPED = 2
-    LATCHED = 3
-    RETURNED = 4
-    FAILED = 5
-    ABSENT = 6
-
-
-UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = Outcome
-OUTCOMES = tuple(outcome.name.lower() for outcome in Outcome)
+OUTCOMES = "unsnapped", "never", "snapped", "latched", "returned", "failed", "absent"
+"""Outcomes of a cell, by their codes; absent is that of a device without a second stable shape."""
+UNSNAPPED, NEVER, SNAPPED, LATCHED, RETURNED, FAILED, ABSENT = range(len(OUTCOMES))
 REPEATED_STEP = 0.75
 """Step of the second run of a cell over that of the first."""
 WHOLE_SWING = 0.999
 """Share of the last swing from which on the beam counts as having kept to one side."""
 
 
-def label(
-    t_snap: np.ndarray,
-    t_settled: np.ndarray,
-    well: np.ndarray,
-    energy_error: np.ndarray,
-    tolerance: float,
-) -> np.ndarray:
-    """Label each cell by an index into OUTCOMES, int8; arguments are columns of `Observations`.
+def label(observed: Observations, tolerance: float) -> np.ndarray:
+    """Label each cell by an index into OUTCOMES, int8.
 
     Settled are `never` (it never left well 1, of its start), `latched` (in well 2) and `returned`
     (to well 1 after a snap): by its energy this run stays in its well for ever, which proves
     nothing of a run with another step. Open at the horizon are `unsnapped` and `snapped`. A run
     whose energy_error exceeds the tolerance has `failed`, whatever else it shows.
     """
-    snapped, settled = ~np.isnan(t_snap), ~np.isnan(t_settled)
+    snapped, settled = ~np.isnan(observed.t_snap), ~np.isnan(observed.t_settled)
     outcome = np.select(
-        [~(energy_error <= tolerance), snapped & settled, snapped, settled],
-        [FAILED, np.where(well == 2, LATCHED, RETURNED), SNAPPED, NEVER],
+        [~(observed.energy_error <= tolerance), snapped & settled, snapped, settled],
+        [FAILED, np.where(observed.well == 2, LATCHED, RETURNED), SNAPPED, NEVER],
         UNSNAPPED,
     )
     return outcome.astype(np.int8)

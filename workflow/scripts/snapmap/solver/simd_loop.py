@@ -6,9 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..beam.basis import PLACES
 from ..beam.modal import contact_stiffness
-from ..beam.stress import stress_of
 from ..pulse.pulse import table
 from .cells import Cells, no_observations
 from .kernel import rows as R
@@ -16,7 +14,7 @@ from .kernel.lanes import Facts, Task, follow_all, load
 from .kernel.laws import CONTACT, FORCE, LaneLaws
 from .kernel.pulse import BLOCK, begin_pulse, no_pulse
 from .kernel.rows import LANES, Shape
-from .kernel.trace import follow_stress, keep_midpoints
+from .kernel.trace import keep_midpoints
 from .lane_laws import lane_laws, raise_error
 from .settings import FIRST, MOVE, SECOND, Run
 
@@ -31,18 +29,12 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
 
     Returns `Facts`.
     """
-    nothing = no_observations(cells.f0.shape)
-    facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
+    facts = Facts(*no_observations(cells.f0.shape)[:7])
     task = Task(
-        devices=_coefficients(model, settings.start),
-        pulses=table(cells.pulses),
-        device=cells.device,
-        pulse=cells.pulse,
-        amplitude=cells.amplitude,
-        f0=cells.f0,
-        damping=cells.damping,
-        t_end=cells.t_end,
-        dt=dt,
+        _coefficients(model, settings.start),
+        table(cells.pulses),
+        *cells[:-1],
+        dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
         jumps=settings.question != MOVE and any(pulse.waits.size for pulse in cells.pulses),
@@ -59,24 +51,6 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
 def _coefficients(model, start):
     """Return `coefficients` of runs that may snap, and keep them for the next call of a batch."""
     return coefficients(model, model.snap_target(start), start)
-
-
-def largest_stress(
-    model, cells: Cells, dt: np.ndarray, steps: np.ndarray, rows: np.ndarray, start: str = FIRST
-) -> np.ndarray:
-    """Follow up to LANES cells for the largest tensile stress, MPa, (cells,).
-
-    dt: us, (cells,); steps: number of each cell, (cells,)
-    rows: the cells' rows of `stress_rows`, (cells, PLACES + 1, modes + 2)
-    """
-    rows, largest = rows.copy(), np.full(dt.size, -np.inf)
-    rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
-    devices = coefficients(model, -np.inf, start)[cells.device]
-    loads = *cells[1:5], steps
-    lanes = empty_lanes(model)
-    follow_stress(*lanes, devices, dt, table(cells.pulses), loads, rows, largest)
-    raise_error(model.laws, lanes[2])
-    return largest
 
 
 def midpoints(
@@ -97,21 +71,6 @@ def midpoints(
         keep_midpoints(*lanes, state, pulses, first, w)
         raise_error(model.laws, lanes[2])
         yield first, w[:, : dt.size]
-
-
-def stress_rows(model) -> np.ndarray:
-    """Tabulate the stress of each device's beam, MPa, (devices, PLACES + 1, modes + 2).
-
-    The first PLACES rows are bending stress per coordinate, per contact force, and at rest; in the
-    last row, the last two numbers are axial stress per stretch, and at rest.
-    """
-    tables = np.zeros((len(model.device), PLACES + 1, model.modes + 2))
-    for i, rows in enumerate(tables):
-        picked = model.pick(i)
-        form = stress_of(picked.device.beam, picked.basis, picked.modal.shapes)
-        rows[:-1] = np.column_stack([form.bending, form.residual, form.rest])
-        rows[-1, -2:] = picked.modal.axial / form.area, form.tension
-    return tables
 
 
 def coefficients(model, target: np.ndarray | float, start: str = FIRST) -> np.ndarray:

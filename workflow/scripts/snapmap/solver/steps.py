@@ -7,7 +7,7 @@ import numpy as np
 
 from ..beam.modal import ModalBeam, column, contact_stiffness
 from ..device.device import Device
-from ..numerics.linalg import dot, eigenvalues, outer, solve
+from ..numerics.linalg import dot, eigh, outer, solve
 from ..values.kinds import Number
 from .cells import Cells
 from .settings import EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
@@ -229,7 +229,7 @@ def stability_limit(device: Device, modal: ModalBeam) -> Number:
     tangent += column(2 * modal.axial, 2) * outer(slope, slope)
     contact = contact_stiffness(device, modal.residual)
     tangent += column(contact, 2) * outer(modal.midpoint, modal.midpoint)
-    of_beam, of_mass = 2 / np.sqrt(eigenvalues(tangent)[..., -1]), 2 / device.mass_frequency
+    of_beam, of_mass = 2 / np.sqrt(eigh(tangent)[0][..., -1]), 2 / device.mass_frequency
     return np.where(device.is_alone, of_beam, np.minimum(of_beam, of_mass))[()]
 
 

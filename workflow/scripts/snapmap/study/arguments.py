@@ -75,25 +75,25 @@ def pair_of(key: str, ends: object) -> tuple[float, float]:
     return tuple(row.tolist())
 
 
-def _take_name(value):
-    if not isinstance(value, str):
-        raise ValueError(f"{show(value)} is not text")
-    return value
+class SnapsKind(Kind):
+    """Whether a device must trip: true, false, or one of two words."""
 
+    need = 'True, False, "arrives" or "any"'
 
-def _take_snaps(value):
-    if isinstance(value, bool | np.bool_):
-        return bool(value)
-    if not isinstance(value, str) or value not in (ANY, ARRIVES):
-        raise ValueError(f'{show(value)} is not True, False, "arrives" or "any"')
-    return value
+    def take(self, value: object) -> bool | str:
+        """Give true, false or the word."""
+        if isinstance(value, bool | np.bool_):
+            return bool(value)
+        if not isinstance(value, str) or value not in (ANY, ARRIVES):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return value
 
 
 OF_REQUIREMENT = {
-    "name": Fitting("text", _take_name),
+    "name": Fitting("text", lambda value: isinstance(value, str)),
     "N": kind_of(Positive),
     "f0": kind_of(Frequency),
-    "snaps": Fitting("True, False, arrives or any", _take_snaps),
+    "snaps": SnapsKind(),
     "pulse": kind_of(Pulses),
     "direction": kind_of(Directions),
     "start": Word(STARTS),
@@ -120,14 +120,12 @@ class RequirementsKind(Kind):
     def _one(self, item):
         if not isinstance(item, Mapping) or not {"name", "N", "f0", "snaps"} <= item.keys():
             raise ValueError(f"{show(item)} is not {self.need}")
-        for key in item:
-            if key not in OF_REQUIREMENT:
-                raise ValueError(f".{key}: unknown key; known are {', '.join(OF_REQUIREMENT)}")
         taken = {}
-        for key, kind in OF_REQUIREMENT.items():
-            if key in item:
-                with at_key(key):
-                    taken[key] = kind.take(item[key])
+        for key, given in item.items():
+            with at_key(key):
+                if key not in OF_REQUIREMENT:
+                    raise ValueError(f"unknown key; known are {', '.join(OF_REQUIREMENT)}")
+                taken[key] = OF_REQUIREMENT[key].take(given)
         return taken
 
 

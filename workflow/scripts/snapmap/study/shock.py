@@ -38,5 +38,4 @@ def take_shock(requirement: Mapping, shocks: Shocks, start: str = FIRST) -> Shoc
             f"requirements: {given['name']}: pulse: missing, as the study's pulse sets its own "
             "duration; write a shape such as 'half sine'"
         )
-    plain = {k: given[k] for k in ("name", "N", "f0", "snaps", "survives", "start") if k in given}
-    return Shock(**plain, shocks=make_shocks(given["pulse"], given["direction"]))
+    return Shock(shocks=make_shocks(given.pop("pulse"), given.pop("direction")), **given)

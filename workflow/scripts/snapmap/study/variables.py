@@ -11,21 +11,16 @@ import pandas as pd
 import xarray as xr
 from typing_extensions import TypeAliasType
 
-from ..files.text import show
 from ..values.kinds import Fitting
 from .axes import attributes_of
 from .provenance import provenance
 
 
-def _take_flags(value):
-    if not isinstance(value, xr.DataArray) or "flag_meanings" not in value.attrs:
-        raise ValueError(
-            f"{show(value)} is not a variable with flag_meanings, such as cube.outcome"
-        )
-    return value
+def _has_flags(value):
+    return isinstance(value, xr.DataArray) and "flag_meanings" in value.attrs
 
 
-_FLAGS = Fitting("a variable with flag_meanings, such as cube.outcome", _take_flags)
+_FLAGS = Fitting("a variable with flag_meanings, such as cube.outcome", _has_flags)
 FlagVariable = TypeAliasType("FlagVariable", Annotated[xr.DataArray, _FLAGS])
 _HERE = Path(__file__)
 TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]

@@ -47,7 +47,7 @@ def follow_rows(
 def _variables(runs, settings):
     """Give the variables of cells, by name, that one run of each determines."""
     names = "t_snap", "t_settled", "energy_error", "pulse_work", "halvings", "level", "agreed"
-    variables = {"outcome": label(*runs[:4], settings.energy_tolerance)}
+    variables = {"outcome": label(runs, settings.energy_tolerance)}
     variables |= {name: getattr(runs, name) for name in names}
     variables["pulse_work"] = runs.pulse_work.astype(np.float32)
     if settings.until == "settled":

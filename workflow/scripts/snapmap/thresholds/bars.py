@@ -37,7 +37,8 @@ def make_bars(search: Search, changes: Changes) -> tuple[np.ndarray, np.ndarray]
     apart = np.isinf(near)
     window = changes.limits.of(apart)
     scans = [scan(search.probe(each, "snap"), window.N) for each in search.others_of_ragged]
-    firsts = np.where(apart, [begins_at(part, window) for part in scans], changes.firsts)
+    firsts = [begins_at(edges, begins, window) for edges, begins, _ in scans]
+    firsts = np.where(apart, firsts, changes.firsts)
     far = np.fmax(_spread(changes.edges, N_first), np.max(abs(N_first - firsts), axis=0))
     effort = search.effort
     step = np.where(ragged, effort.ragged, np.where(rings, CLOSE_STEP * effort.close[0], 0.0))

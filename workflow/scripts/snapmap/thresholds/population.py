@@ -145,7 +145,7 @@ class Batch:
             levels = N * self.factors["N"][i]
             cells = part.cells(self.model.device, levels, settings.horizon)
             runs = self.model.follow(cells, settings)
-            count += label(*runs[:4], settings.energy_tolerance) == LATCHED
+            count += label(runs, settings.energy_tolerance) == LATCHED
         return count
 
     def stresses(self, study: Study, requirements: Sequence[Shock], C: np.ndarray) -> np.ndarray:

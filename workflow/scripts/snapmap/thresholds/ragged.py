@@ -42,16 +42,15 @@ def scan_ragged(
             break
         seen = scan_on(ask, near._replace(low=low, high=high).of(left), seen)
         window = window._replace(low=lower)
-    firsts = np.array([begins_at((part.edges, part.begins, part.ends), window) for part in scans])
+    firsts = np.array([begins_at(part.edges, part.begins, window) for part in scans])
     return seen._replace(edges=seen.edges.take(~seen.begins[seen.edges.row])), firsts
 
 
-def begins_at(scanned: tuple[Edges, np.ndarray, np.ndarray], window: Window) -> np.ndarray:
+def begins_at(edges: Edges, begins: np.ndarray, window: Window) -> np.ndarray:
     """Give N at which a scan begins to snap, (rows,), or the end of the window on that side.
 
-    scanned: as `scan` returns it
+    begins: as in `Seen`
     """
-    edges, begins, _ = scanned
     first, _ = outermost(edges.row[edges.rising], edges.high[edges.rising], begins.size)
     return np.where(begins, window.low, np.where(np.isnan(first), window.high, first))
 

@@ -318,16 +318,15 @@ def _beside(low, high, side, steps):
     return np.multiply.outer(low if side < 0 else high, 1 + CLOSE_STEP * side * steps)
 
 
-def _out_of_order(nearer, beside=2):
-    """Find intervals, (rows, n), in which values do not fall outward, or within `beside` of such.
+def _out_of_order(nearer):
+    """Find intervals, (rows, n), in which values do not fall outward, or two beside such.
 
     docs/thresholds.md, "Width of islands", has what this misses.
     """
     with np.errstate(invalid="ignore"):
         rises = ~(nearer[:, 1:] < nearer[:, :-1])
-    padded = np.pad(rises, ((0, 0), (beside, beside)))
-    shifts = range(2 * beside + 1)
-    return np.any([padded[:, i : i + rises.shape[1]] for i in shifts], axis=0)
+    padded = np.pad(rises, ((0, 0), (2, 2)))
+    return np.any([padded[:, i : i + rises.shape[1]] for i in range(5)], axis=0)
 
 
 def is_fast(device: Device, rows: Rows) -> np.ndarray:

@@ -38,7 +38,7 @@ def lowest_latched(probe: Probe, low: np.ndarray, high: np.ndarray) -> np.ndarra
         ascending = N[which[:, np.newaxis], places]
         cells = rows.take(which).cells(model.device, ascending, settings.horizon)
         runs = model.follow(cells, settings)
-        return (label(*runs[:4], settings.energy_tolerance) != LATCHED)[:, ::-1]
+        return (label(runs, settings.energy_tolerance) != LATCHED)[:, ::-1]
 
     highest = walk(partial(leaves, model.with_step(LONGER)), every, 0, np.minimum(size, 1))
     down = walk(partial(leaves, model), every, 0, highest * size)

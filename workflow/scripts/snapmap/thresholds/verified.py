@@ -90,7 +90,8 @@ def _blocks(rows):
 def _verify(search, expected):
     """Verify thresholds where they are expected; returns variables by name, (rows, ...).
 
-    N_first is NaN where no threshold is within WITHIN of the expected one.
+    N_first is NaN where no threshold is within WITHIN of the expected one. Variables of ragged rows
+    and islands are left out, and so stay 0 or NaN.
     """
     models, rows, tolerance = search.models, search.rows, search.tolerance
     N_first, t_snap = np.full((2, rows.f0.size), np.nan)
@@ -109,21 +110,16 @@ def _verify(search, expected):
         N_first[which] = N = np.where(holds, first, np.nan)
         t_snap[which] = probe.at(N)
     top = np.inf if search.highest is None else search.highest
-    zero = np.zeros(rows.f0.size, np.int8)
     return {
-        "status": zero + np.int8(FOUND),
+        "status": np.full(rows.f0.size, FOUND, np.int8),
         "N_bound": least_amplitudes(models.decides, rows, search.settings.start),
         "N_looked": expected.N * SNAPS_AT[-1],
         "N_first": N_first,
         "N_error": (expected.bar + tolerance) * N_first + abs(N_first - expected.N),
-        "ragged": zero,
         "N_always": np.where(N_first <= top, N_first, np.nan),
         "t_snap": t_snap,
         "level": level_of.astype(np.int8),
-        "islands": zero.astype(int),
-        "island_from": np.empty((zero.size, 0)),
-        "island_to": np.empty((zero.size, 0)),
-        "verified": zero + np.int8(1),
+        "verified": np.ones(rows.f0.size, np.int8),
     }
 
 

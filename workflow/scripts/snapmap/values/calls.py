@@ -23,7 +23,7 @@ def checked(
     ones; a line for each.
     """
     parameters = inspect.signature(function).parameters
-    kinds = {key: kind_of(parameter.annotation) for key, parameter in parameters.items()}
+    converters = {key: taking(parameter.annotation) for key, parameter in parameters.items()}
 
     @functools.wraps(function)
     def call(*positional: Any, **named: Any) -> Any:
@@ -31,19 +31,39 @@ def checked(
         if faults:
             raise TypeError("\n".join(faults))
         with around(values):
-            for key, value in values.items():
-                optional = type(None) in get_args(parameters[key].annotation)
-                if kinds[key] and not (value is None and optional):
-                    try:
-                        values[key] = kinds[key].take(value)
-                    except ValueError as error:
-                        faults += [line_at((key,), line) for line in str(error).splitlines()]
-            if faults:
-                raise Faults(*faults)
+            convert(values, converters)
             with prepare(function, values):
                 return function(**values)
 
     return call
+
+
+def taking(hint: object) -> Callable | None:
+    """Give what converts a value of Python by the kind of an annotation; None if that has none."""
+    kind = kind_of(hint)
+    return kind and optional(kind.take, hint)
+
+
+def optional(converter: Callable, hint: object) -> Callable:
+    """Let None through a converter if an annotation does."""
+    if type(None) not in get_args(hint):
+        return converter
+    return lambda value: None if value is None else converter(value)
+
+
+def convert(
+    values: dict[str, Any], converters: Mapping[str, Callable | None], faults: Sequence[str] = ()
+) -> None:
+    """Convert values in place, by name; raises Faults, a line for each, behind those known."""
+    faults = [*faults]
+    for key, converter in converters.items():
+        if converter and key in values:
+            try:
+                values[key] = converter(values[key])
+            except ValueError as error:
+                faults += [line_at((key,), line) for line in str(error).splitlines()]
+    if faults:
+        raise Faults(*faults)
 
 
 def by_name(

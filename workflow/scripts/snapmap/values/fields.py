@@ -34,11 +34,6 @@ def beside(made: type, written: Mapping) -> dict[str, str]:
     return made.beside({key: value for key, value in written.items() if value is not None})
 
 
-def is_required(made: type, key: str) -> bool:
-    field = made.__dataclass_fields__[key]
-    return field.default is MISSING and field.default_factory is MISSING
-
-
 def need_of(hint: object) -> str:
     """Say what is right for an annotation, in words that follow "is not" or "write"."""
     parts = (hint, *get_args(hint))
@@ -102,7 +97,7 @@ def rows(made: type) -> Iterator[Row]:
     instead = instead_of(made)
     for field in fields(made):
         hint = hints(made)[field.name]
-        needed = is_required(made, field.name) or instead.get(field.name) == []
+        needed = field.default is MISSING or instead.get(field.name) == []
         what = sentences(made).get(field.name, "")
         yield Row(field.name, what, need_of(hint), _default(field.default, hint), needed)
 

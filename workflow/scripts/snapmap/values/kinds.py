@@ -6,7 +6,7 @@ A type checker reads a number there, and `help` prints the alias. `take` convert
 `read` one of a config, and an editor of YAML completes by the schema.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -231,14 +231,7 @@ class Several(Kind):
         elif not isinstance(value, list | tuple) or not value:
             raise ValueError(f"{describe(value)} is not {self.asks}")
         else:
-            values, faults = [], []
-            for place, item in enumerate(value):
-                try:
-                    values.append(self.of.read(item))
-                except ValueError as error:
-                    faults.append(f"[{place}]: {error}")
-            if faults:
-                raise Faults(*few(faults))
+            values = read_each(self.of, value)
         values = np.sort(values)
         before, after = values[:-1], values[1:]
         repeated = after[(after == before) | (after * (1 - 1e-14 * np.sign(after)) <= before)]
@@ -286,6 +279,19 @@ class Several(Kind):
         """Kind of each key of a range."""
         ends, spacings = {"from": self.of, "to": self.of}, Word(("linear", "log"))
         return ends | {"points": Whole(1, 1_000_000), "spacing": spacings}
+
+
+def read_each(kind: Kind, items: Sequence) -> list:
+    """Read the items of a list of a config; raises Faults, a line for each wrong one, or `few`."""
+    values, faults = [], []
+    for place, item in enumerate(items):
+        try:
+            values.append(kind.read(item))
+        except ValueError as error:
+            faults.append(line_at((place,), str(error)))
+    if faults:
+        raise Faults(*few(faults))
+    return values
 
 
 class Plain(Kind):
@@ -368,22 +374,17 @@ class Word(Plain):
 
 @dataclass(frozen=True)
 class Fitting(Kind):
-    """Any value that a function takes, which may convert it; ValueError, or False, refuses it.
-
-    need: what is right; json: its schema
-    """
+    """Any value for which a function holds; json: its schema."""
 
     need: str
-    fit: Callable[[object], object]
+    fits: Callable[[Any], object]
     json: tuple[tuple[str, object], ...] = ()
 
     def take(self, value: object) -> object:
-        """Convert a value by the function."""
-        return self.fit(value)
-
-    def write(self, value: Any) -> object:
-        """Write a truth that is held as a number."""
-        return bool(value) if self.schema() == {"type": "boolean"} else value
+        """Take a value that fits, as it is."""
+        if not self.fits(value):
+            raise ValueError(f"{show(value)} is not {self.need}")
+        return value
 
     def schema(self) -> dict:
         """Describe what a config has."""

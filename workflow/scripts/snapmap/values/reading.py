@@ -28,7 +28,8 @@ def explained(made: type, source: Any, handler: Any) -> Any:
         if isinstance(values, made):
             return values
         if isinstance(values, Mapping):
-            faults = {_path(key): [line] for key, line in beside(made, values).items()}
+            for key, line in beside(made, values).items():
+                faults[key if isinstance(key, tuple) else (key,)] = [line]
             empty = [key for key in values if key in hints(made) and values[key] is None]
             faults |= {(key,): _wrong(made, key, None) for key in empty}
             values = {key: value for key, value in values.items() if key not in empty}
@@ -51,10 +52,6 @@ def explained(made: type, source: Any, handler: Any) -> Any:
         raise ValidationError.from_exception_data(made.__name__, errors)
 
     return with_info_wrap_validator_function(explain, handler(source))
-
-
-def _path(key):
-    return key if isinstance(key, tuple) else (key,)
 
 
 def _lines(made, detail):

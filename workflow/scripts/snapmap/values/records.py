@@ -14,18 +14,18 @@ import functools
 import inspect
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from functools import cache
+from functools import cache, partial
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import numpy as np
 from typing_extensions import dataclass_transform
 
 from ..files.text import show
-from .calls import by_name
+from .calls import by_name, convert, optional, taking
 from .described import Docstring, described
-from .faults import Faults, line_at, within
+from .faults import Faults, within
 from .fields import beside, hints, record_in
-from .kinds import Word, kind_of
+from .kinds import Word
 from .reading import explained
 
 Made = TypeVar("Made")
@@ -61,14 +61,7 @@ def _converting(initialize):
         if faults:
             raise TypeError("\n".join(faults))
         faults = [f"{key}: {fault}" for key, fault in beside(made, given).items()]
-        for key, convert in _converters(made).items():
-            if key in given:
-                try:
-                    given[key] = convert(given[key])
-                except ValueError as error:
-                    faults += [line_at((key,), line) for line in str(error).splitlines()]
-        if faults:
-            raise Faults(*faults)
+        convert(given, _converters(made), faults)
         initialize(self, **given)
 
     return __init__
@@ -86,32 +79,26 @@ def _differs(value, default):
 
 @cache
 def _converters(made):
-    """Give a function for each field that converts its value of Python."""
-    return {key: _converter(hint) for key, hint in hints(made).items() if _converter(hint)}
+    """Give a function for each field that converts its value of Python, or None."""
+    return {key: _converter(hint) for key, hint in hints(made).items()}
 
 
 def _converter(hint):
-    kind, optional = kind_of(hint), type(None) in get_args(hint)
-    if kind:
-        return lambda value: None if optional and value is None else kind.take(value)
+    holder = record_in(hint)
     if get_origin(hint) is Literal:
         return Word(get_args(hint)).take
-    holder = record_in(hint)
-    if holder is None:
-        return None
-
-    def convert(value):
-        if isinstance(value, holder) or (optional and value is None):
-            return value
-        if isinstance(value, Mapping):
-            return build(holder, value)
-        raise ValueError(f"{show(value)} is not a {holder.__name__}")
-
-    return convert
+    return taking(hint) or (holder and optional(partial(build, holder), hint))
 
 
-def build(made: type[Made], values: Mapping) -> Made:
-    """Make a record of a mapping of Python; Faults, lines that begin with `.key: `."""
+def build(made: type[Made], values: object) -> Made:
+    """Make a record of a mapping of Python, or take one as it is.
+
+    Raises Faults, lines that begin with `.key: `.
+    """
+    if isinstance(values, made):
+        return values
+    if not isinstance(values, Mapping):
+        raise ValueError(f"{show(values)} is not a {made.__name__}, nor a mapping of its values")
     try:
         return made(**values)
     except (TypeError, ValueError) as error:

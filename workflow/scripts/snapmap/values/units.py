@@ -41,12 +41,6 @@ class Spelling(NamedTuple):
 
 SPELT = {
     "": Spelling("1", "", ""),
-    "Hz": Spelling("Hz", "Hz", "Hz"),
-    "MPa": Spelling("MPa", "MPa", "MPa"),
-    "ng": Spelling("ng", "ng", "ng"),
-    "um": Spelling("um", "µm", "µm"),
-    "uN": Spelling("uN", "µN", "µN"),
-    "us": Spelling("us", "µs", "µs"),
     "degC": Spelling("degC", "°C", "°C"),
     "1/K": Spelling("K-1", "K$^{-1}$", "1/K"),
     "ng/um^3": Spelling("ng um-3", "ng µm$^{-3}$", "ng/µm³"),
@@ -54,7 +48,7 @@ SPELT = {
     "uN/um": Spelling("uN um-1", "N/m", "N/m"),
     "uN*us/um": Spelling("uN us um-1", "µN µs µm$^{-1}$", "µN\u00a0µs/µm"),
 }
-"""Internal units by their spelling in a config."""
+"""Internal units by their spelling in a config, but for those that `spelling` spells likewise."""
 
 READ = {
     "GPa": (1e-3, "GPa"),
@@ -198,9 +192,9 @@ def used(text: str, reads: str, typeset: bool = False) -> str:
     typeset: as on the page
     """
     number, _, unit = text.partition(" ")
-    if not unit or not {unit, reads} & {*SPELT, *READ}:
+    if not unit or not {unit, reads} & {*USUAL, *SPELT, *READ}:
         return text
-    factor, page = READ.get(reads) or (1.0, SPELT[unit].page)
+    factor, page = READ.get(reads) or (1.0, spelling(unit).page)
     words = page if typeset else reads if reads in READ else unit
     return f"{plain(factor * float(number), 9)}{chr(160) if typeset else ' '}{words}"
 

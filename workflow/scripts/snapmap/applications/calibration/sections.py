@@ -15,7 +15,7 @@ from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
 from ...study.axes import KIND_OF
-from ...values.kinds import Kind, Quantity
+from ...values.kinds import Kind, Quantity, read_each
 from ...values.quantities import Damper
 from ...values.records import record, row_of_kinds, told
 from .shots import Shots, check_ranges, read_shots, shots_from

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from typing_extensions import TypeAliasType
 
-from ...device.device import SIGNED, VALUES, Device, batch
+from ...device.device import VALUES, Device, batch
 from ...device.samples import nominal_value
-from ...files.text import plain, show
+from ...files.text import plain
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy, pair_of
 from ...study.axes import KIND_OF, attributes_of
@@ -47,18 +47,14 @@ class Design(NamedTuple):
     error: float
 
 
-def _take_name(value):
-    if not isinstance(value, str) or (value != "C" and value not in VALUES):
-        raise ValueError(f"{show(value)} is not {NAME}")
-    return value
+def _is_value(name):
+    return isinstance(name, str) and name in ("C", *VALUES)
 
 
 NAME = "C or the name of a value of the device, such as thickness"
 PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
-ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _take_name)])
-Between = TypeAliasType(
-    "Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda ends: ends)]
-)
+ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _is_value)])
+Between = TypeAliasType("Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda _: True)])
 
 
 def design(
@@ -129,11 +125,9 @@ def design(
         between = pair_of(value, between)
     except ValueError as fault:
         raise ValueError(f"between: {fault}") from None
-    (low, high), least = between, -np.inf if value in SIGNED else 0.0
-    if not least <= low < high:
-        raise ValueError(
-            f"between: {low:g}, {high:g} do not ascend from {least:g}; write (low, high)"
-        )
+    low, high = between
+    if not low < high:
+        raise ValueError(f"between: {low:g}, {high:g} do not ascend; write (low, high)")
     look = _threshold_finder(study, value, C, goals)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))

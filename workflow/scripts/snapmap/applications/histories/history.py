@@ -91,7 +91,7 @@ def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
     device, settings = study.device, study.run.but(until="moved")
     built, cells, observed = _cell(study, N, f0, C)
-    outcome = label(*observed[:4], settings.energy_tolerance).item()
+    outcome = label(observed, settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     warn_of_travel(free_travel(device, *extremes[:2]))
     document = {

@@ -8,7 +8,7 @@ from ...beam.equilibria import saddle_and_second, shapes_of
 from ...beam.modal import unit_beams
 from ...device.device import Beam
 from ...files.text import plain
-from ...numerics.linalg import apply, dot, eigenvalues, eigh, outer
+from ...numerics.linalg import apply, dot, eigh, outer
 from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
@@ -62,7 +62,7 @@ def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
     N = -axial * dot(p, slope + modal.slope_start)
     stretched = 2 * axial[:, np.newaxis, np.newaxis] * outer(slope, slope)
     tangent = bending - N[:, np.newaxis, np.newaxis] * modal.geometric + stretched
-    falls = -eigenvalues(tangent)[:, 0] * (beam.stiffness_unit / beam.weight)
+    falls = -eigh(tangent)[0][:, 0] * (beam.stiffness_unit / beam.weight)
     return np.sqrt(falls)
 
 

@@ -91,7 +91,7 @@ def _verdicts(study, name, required, C, tolerance):
     near = NEAR if must not in (False, ANY) else np.ones(1)
     runs = follow_near(study, grid, N * near)
     own = runs[0].take((slice(None), near.size // 2))
-    outcomes, arrives = label(*own[:4], settings.energy_tolerance), np.isfinite(own.t_snap)
+    outcomes, arrives = label(own, settings.energy_tolerance), np.isfinite(own.t_snap)
     ends = zip(*_ends(runs, settings.energy_tolerance), strict=True)
     columns = {key: thresholds[key].values.ravel() for key in SEARCHED}
     corners = product(study.shocks.each(), C)

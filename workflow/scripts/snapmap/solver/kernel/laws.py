@@ -170,10 +170,8 @@ def drives(laws: LaneLaws, damping: float, speed: float, travel: float):
 def set_out(X: Rows, l: int, law: int, guess: float):
     """Keep what is known at the last half step, and guess x at the next one."""
     X[R.FROM + law, l] = X[R.GUESS + law, l] - X[R.MISS + law, l]
-    X[R.ENERGY_BEFORE + law, l], X[R.PUSH_BEFORE + law, l] = (
-        X[R.ENERGY + law, l],
-        X[R.PUSH + law, l],
-    )
+    X[R.ENERGY_BEFORE + law, l] = X[R.ENERGY + law, l]
+    X[R.PUSH_BEFORE + law, l] = X[R.PUSH + law, l]
     X[R.GUESS + law, l] = guess
     locate(X, l, law, guess)
 

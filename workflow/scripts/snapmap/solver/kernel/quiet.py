@@ -128,7 +128,7 @@ def equilibrium(X: Rows, V: Rows, modes: int, l: int, z: np.ndarray) -> float:
 
     Returns its energy, times dt^2; inf if there is none.
     """
-    K, steps, gained = np.empty((modes + 1, modes + 1)), np.empty(modes + 1), np.inf
+    K, net, gained = np.empty((modes + 1, modes + 1)), np.empty(modes + 1), np.inf
     for _ in range(PASSES):
         q, x, energy = 0.0, -z[modes] - X[R.Z0, l], X[R.K, l] * z[modes] ** 2 / 2
         for i in range(modes):
@@ -140,49 +140,44 @@ def equilibrium(X: Rows, V: Rows, modes: int, l: int, z: np.ndarray) -> float:
         x = max(0.0, x)
         if gained <= EXACT * RING * X[R.BARRIER, l]:
             return energy + X[R.AXIAL, l] * q * q / 4 + k * x * x / 2
-        gained = newton(X, V, modes, l, (X[R.AXIAL, l] * q, k, k * x), z, K, steps)
+        pull = X[R.AXIAL, l] * q
+        for i in range(modes + 1):
+            is_mode = i < modes
+            e = V[R.E, i, l] if is_mode else -1.0
+            own = V[R.KAPPA, i, l] if is_mode else X[R.K, l]
+            load = V[R.F, i, l] if is_mode else X[R.M, l]
+            net[i] = own * z[i] + load * X[R.A, l] + e * (k * x)
+            net[i] += pull * V[R.U, i, l] if is_mode else 0.0
+            for j in range(i + 1):
+                K[i, j] = k * e * (V[R.E, j, l] if j < modes else -1.0) + (own if i == j else 0.0)
+                if is_mode:
+                    stretch = 2 * X[R.AXIAL, l] * V[R.U, i, l] * V[R.U, j, l]
+                    K[i, j] += pull * V[R.S + i, j, l] + stretch
+        gained = newton(K, net, z)
     return np.inf
 
 
 @inlined
-def newton(
-    X: Rows,
-    V: Rows,
-    modes: int,
-    l: int,
-    forces: tuple[float, float, float],
-    z: np.ndarray,
-    K: np.ndarray,
-    steps: np.ndarray,
-) -> float:
+def newton(K: np.ndarray, net: np.ndarray, z: np.ndarray) -> float:
     """Take a step of Newton's method; returns the energy that it gains, inf if K is not positive.
 
-    forces: -N, contact stiffness and contact force; K, steps: scratch
+    K: stiffness, of which the lower half counts; net: force against which z moves; both are lost
     """
-    pull, k, contact = forces
     gained = 0.0
     # K = L D L^T, row by row, and L^-1 times the net force along with it.
-    for i in range(modes + 1):
-        is_mode = i < modes
-        e = V[R.E, i, l] if is_mode else -1.0
-        own = V[R.KAPPA, i, l] if is_mode else X[R.K, l]
-        net = own * z[i] + (V[R.F, i, l] if is_mode else X[R.M, l]) * X[R.A, l] + e * contact
-        net += pull * V[R.U, i, l] if is_mode else 0.0
+    for i in range(z.size):
         for j in range(i + 1):
-            part = k * e * (V[R.E, j, l] if j < modes else -1.0) + (own if i == j else 0.0)
-            if is_mode:
-                part += pull * V[R.S + i, j, l] + 2 * X[R.AXIAL, l] * V[R.U, i, l] * V[R.U, j, l]
             for h in range(j):
-                part -= K[i, h] * K[h, h] * K[j, h]
-            K[i, j] = part / K[j, j] if j < i else part
-            net -= K[i, j] * steps[j] if j < i else 0.0
+                K[i, j] -= K[i, h] * K[h, h] * K[j, h]
+            if j < i:
+                K[i, j] /= K[j, j]
+                net[i] -= K[i, j] * net[j]
         if not K[i, i] > 0.0:
             return np.inf
-        steps[i] = net
-        gained += net * net / (2 * K[i, i])
-    for i in range(modes, -1, -1):
-        steps[i] /= K[i, i]
-        for j in range(i + 1, modes + 1):
-            steps[i] -= K[j, i] * steps[j]
-        z[i] -= steps[i]
+        gained += net[i] * net[i] / (2 * K[i, i])
+    for i in range(z.size - 1, -1, -1):
+        net[i] /= K[i, i]
+        for j in range(i + 1, z.size):
+            net[i] -= K[j, i] * net[j]
+        z[i] -= net[i]
     return gained

@@ -30,7 +30,7 @@ def follow_stress(
     work: zeros; devices: row of coefficients of each cell, with target -inf, so that w is never
         latched; dt: us, (cells,); pulses: as in `Task`
     cells: pulse, amplitude, f0 and damping as in `Task`, and number of steps; each (cells,)
-    stress: rows of `simd_loop.stress_rows` of each cell, modified in place
+    stress: rows of `motion.stress_rows` of each cell, modified in place
     largest: largest stress so far, MPa, (cells,), modified in place
     """
     widen_vectors()
@@ -117,7 +117,7 @@ def seen_midpoint(X: Rows, V: Rows, modes: int, l: int) -> float:
 def largest_stress(X: Rows, V: Rows, modes: int, l: int, rows: np.ndarray) -> float:
     """Return the largest tensile stress of lane l half way through the step, MPa.
 
-    rows: (PLACES + 1, modes + 2), as in `simd_loop.stress_rows`
+    rows: (PLACES + 1, modes + 2), as in `motion.stress_rows`
     """
     places = len(rows) - 1
     stretch, contact = X[R.Q, l], pressed(X, l)
