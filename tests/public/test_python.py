@@ -119,7 +119,7 @@ NESTED = {
 
 def wrong_parts(value):
     """The value, each of its parts, however deep, as each of WRONG."""
-    places = range(len(value)) if isinstance(value, list) else ()
+    places = {0, len(value) - 1} if isinstance(value, list) else ()
     for key in value if isinstance(value, dict) else places:
         for part in (*WRONG, *wrong_parts(value[key])):
             changed = value.copy()

@@ -70,7 +70,7 @@ def page_text(cube, folder):
 
 @pytest.fixture(scope="module")
 def show(browser, folder):
-    """A function that opens the page of a cube, or a text; in one place, by which scripts are kept."""
+    """A function that opens the page of a cube, or a text, in one place: scripts are kept by it."""
 
     def shown(made, window=browser, scheme="light", **more):
         path = folder / "explore.html"
