@@ -59,8 +59,13 @@ DEVICES = {"soft": {}, "gap": {"gap": 1.0, "contact": 400.0}, "damped beam": {"d
 LINEAR = {"damping": linear_drag, "contact": one_sided}
 
 
-@pytest.mark.parametrize("keys", [("damping",), ("contact",), ("damping", "contact")])
-@pytest.mark.parametrize("name", DEVICES)
+EACH = [(name, key) for name in DEVICES for key in [("damping",), ("contact",), (*LINEAR,)]]
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [pytest.param(*one, marks=[pytest.mark.long] * (one[1] != (*LINEAR,))) for one in EACH],
+)
 def test_the_devices_own_forces_as_laws_do_the_same(handout, name, keys):
     """The contact is in series with the flexibility of the modes left out."""
     device, settings = varied(handout, **DEVICES[name]), Run(horizon=300.0)

@@ -13,20 +13,12 @@ from snapmap.values.faults import Faults
 
 SEEDS = 0, 2, 3, 6, 7, 8, 12, 15, 16, 17
 FEATURES = (
-    "force:",
-    "free:",
-    "stop_away:",
-    "contact_at:",
-    "strength:",
-    "strength_modulus:",
-    "damper_exponent:",
-    "devices:",
-    "train:",
-    "file:",
-    "drop:",
+    "force: free: stop_away: contact_at: strength: strength_modulus: damper_exponent: both skip"
 )
-FEATURES += "both", "start:", "srs:", "psd:", "close", "tolerances:", "calibration:"
-FEATURES += "histories:", "laws:", "marks:", "maps:", "spacing: log", "skip"
+FEATURES += (
+    " devices: train: file: drop: start: srs: psd: close tolerances: calibration: histories:"
+)
+FEATURES = [*f"{FEATURES} laws: marks: maps:".split(), "spacing: log"]
 
 
 @pytest.mark.long

@@ -96,7 +96,7 @@ class View:
 
     def wait(self, condition):
         """Wait until it holds; Playwright's own way to wait is a script that the page forbids."""
-        for _ in range(500):
+        for _ in range(3000):
             if self.page.evaluate(condition):
                 return
             self.page.wait_for_timeout(20)
