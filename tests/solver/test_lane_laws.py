@@ -1,6 +1,7 @@
 """Laws of a user's own in the kernel, beside the device's own, the plain loop and energies."""
 
 from dataclasses import replace
+from functools import cache
 
 import flat
 import numpy as np
@@ -25,6 +26,7 @@ SETTLED = Run()
 N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
 
 
+@cache
 def laws_of(**functions):
     return compile_laws(functions)
 

@@ -4,6 +4,7 @@ import json
 import re
 import runpy
 from dataclasses import replace
+from functools import cache
 
 import flat
 import numpy as np
@@ -45,7 +46,7 @@ def law_file(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def laws(root):
-    return lambda name: load_laws(str(root / "examples" / "laws" / f"{name}.py"))
+    return cache(lambda name: load_laws(str(root / "examples" / "laws" / f"{name}.py")))
 
 
 def scipy_snap(device, laws, N, C):
