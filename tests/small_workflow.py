@@ -1,5 +1,6 @@
-"""The workflow: run in a process of its own, or planned in a copy of this one."""
+"""The workflow, run in a copy of a process that has imported what takes long."""
 
+import os
 import subprocess
 import sys
 import time
@@ -7,37 +8,40 @@ from multiprocessing import get_context
 from tempfile import NamedTemporaryFile
 
 FORKS = get_context("forkserver")  # it has no threads, which could hold a lock in a fork
-FORKS.set_forkserver_preload(["numpy", "snakemake.cli"])
+FORKS.set_forkserver_preload(
+    ["snakemake.cli", "snakemake.report.html_reporter", "smart_open", "nbformat", "netCDF4"]
+)
 
 
-def snakemake(root, folder, config, *options, cores="2", check=True):
+def snakemake(root, folder, config, *options, cores="2", check=True, snakefile="Snakefile"):
     """Run the workflow of the clone `root` in `folder`; returns its exit code and output.
 
-    What runs no job is done in a fork of a process that has imported what takes long; but not on
-    macOS, where libraries do not outlive a fork.
+    On macOS, where libraries do not outlive a fork, it has a process of its own.
     cores: as of --cores, which "" leaves out
     """
-    command = ["--snakefile", root / "Snakefile", "--directory", folder, "--configfile", config]
+    command = ["--snakefile", root / snakefile, "--directory", folder, "--configfile", config]
     if cores:  # it ends the list of configs
         command += ["--cores", cores]
     command = [str(word) for word in (*command, *options)]
-    if sys.platform == "linux" and {"--dry-run", "--lint"} & {*options}:
+    if sys.platform == "linux":
         with NamedTemporaryFile("w+") as said:
-            plan = FORKS.Process(target=_plan, args=(command, said.name))
-            plan.start()
-            plan.join()
-            code, output = plan.exitcode, said.read()
+            run = FORKS.Process(target=_run, args=(command, said.name))
+            run.start()
+            run.join(600)
+            code, output = run.exitcode, said.read()
     else:
         done = subprocess.run(["snakemake", *command], capture_output=True, text=True, timeout=600)
         code, output = done.returncode, done.stdout + done.stderr
-    assert not check or code == 0, output
+    assert code is not None and (code == 0 or not check), output
     return code, output
 
 
-def _plan(command, said):
+def _run(command, said):
     from snakemake.cli import main
 
-    sys.stdout = sys.stderr = open(said, "w")  # noqa: SIM115, until the process ends
+    sys.stdout = sys.stderr = open(said, "w", 1)  # noqa: SIM115, until the process ends
+    for output in (1, 2):  # of jobs
+        os.dup2(sys.stdout.fileno(), output)
     main(command)
 
 

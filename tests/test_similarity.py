@@ -6,7 +6,7 @@ import flat
 import numpy as np
 import pytest
 import yaml
-from small_studies import changed
+from small_studies import THREE_COSINES, changed
 from varied import varied
 
 from snapmap.applications.calibration.shots import read_shots, shots_from
@@ -81,21 +81,13 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
 
 
 RATIO = 9.81
-IN_G = """
-device:
-  beam: {span: 600 um, rise: 10 um, thickness: 2 um, depth: 22 um, youngs_modulus: 150 GPa,
-    density: 2330 kg/m^3}
-  mass: 1e-8 kg
-  spring: 5.5 N/m
-  contact: 40 N/m
-  gravity: 9.81 m/s^2
-model: {name: cosines, modes: 3}
-sweep: {N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um], horizon: 100 us, until: snap}
+IN_G = f"""{THREE_COSINES}
+sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um], horizon: 100 us, until: snap}}
 requirements:
-  - {name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}
-  - {name: fall, drop: {height: 3 mm, shape: half sine, duration: 0.05 ms}, snaps: false}
-  - {name: spectrum, srs: [[500 Hz, 900 g], [2 kHz, 1900 g]], snaps: true}
-  - {name: random, psd: [[200 Hz, 25 g^2/Hz], [2 kHz, 25 g^2/Hz]], duration: 20 ms, snaps: true}
+  - {{name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}}
+  - {{name: fall, drop: {{height: 3 mm, shape: half sine, duration: 0.05 ms}}, snaps: false}}
+  - {{name: spectrum, srs: [[500 Hz, 900 g], [2 kHz, 1900 g]], snaps: true}}
+  - {{name: random, psd: [[200 Hz, 25 g^2/Hz], [2 kHz, 25 g^2/Hz]], duration: 20 ms, snaps: true}}
 """
 
 

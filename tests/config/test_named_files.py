@@ -141,6 +141,15 @@ def test_a_record_has_the_units_of_its_header(folder, time, unit):
     assert pulse.peak == pytest.approx(50e-6, rel=1e-14)
 
 
+def test_contents_decide_what_is_made_anew_and_dates_do_not(folder):
+    inputs = load_config(DOCUMENT).inputs()
+    os.utime(folder / "shock.csv", (0, 0))
+    assert load_config(DOCUMENT).inputs() == inputs
+    write_record(folder / "other.csv", 3).replace(folder / "shock.csv")
+    assert load_config(DOCUMENT).inputs() != inputs
+
+
+@pytest.mark.long
 def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     cube = "results/cube.nc"
     snakemake(root, ".", "mine.yaml", cube)

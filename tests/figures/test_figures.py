@@ -27,7 +27,7 @@ from small_results import (
 from snapmap.applications.boundary import figure as boundary
 from snapmap.figures import captions, curves, maps, scales, style, thresholds
 
-pytestmark = pytest.mark.usefixtures("paper")
+pytestmark = pytest.mark.usefixtures("sketch")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from snapmap.figures import captions, curves, maps, plane, scales, style
 from snapmap.figures import states as S
 from snapmap.sweeps.cube import summary, with_summary
 
-pytestmark = pytest.mark.usefixtures("paper")
+pytestmark = pytest.mark.usefixtures("sketch")
 EVERY = make_cells(["0123456"])
 """A cell of each outcome."""
 

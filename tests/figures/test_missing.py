@@ -40,16 +40,10 @@ def made(handout):
     """A small result behind each figure, by the function that draws it."""
     study = Study(handout, model={"name": "cosines", "modes": 3}, run=Run(100.0))
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    made = flat.tolerance(
-        handout,
-        {"thickness": 0.05},
-        [500.0, 1500.0],
-        [25.0],
-        samples=4,
-        index_samples=4,
-        requirements=[REQUIRED | {"survives": True}],
-        **SHORT,
-    )
+    how = SHORT | {"samples": 4, "index_samples": 4}
+    how["requirements"] = [REQUIRED | {"survives": True}]
+    made = flat.tolerance(handout, {"thickness": 0.05}, **axes, **how)
+    points = {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}
     edges = flat.threshold(handout, **axes, **MODEL)
     return {
         "cells": make_cells(["2225", "2022", "0020", "0100"]),
@@ -60,18 +54,13 @@ def made(handout):
         "tolerances": made,
         "calibration": flat.calibrate(handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL),
         "verdicts": VERDICTS,
-        "window": window_of(
-            study,
-            {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]},
-            [Shock(**REQUIRED, shocks=make_shocks())],
-        ),
+        "window": window_of(study, points, [Shock(**REQUIRED, shocks=make_shocks())]),
     }
 
 
 def rows_of(verdicts):
-    return [
-        {key: verdicts[key].values[i].item() for key in verdicts} for i in range(verdicts.row.size)
-    ]
+    columns = {key: verdicts[key].values.tolist() for key in verdicts}
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def on_axes(draw, *arguments, **options):
@@ -79,31 +68,31 @@ def on_axes(draw, *arguments, **options):
 
 
 UNITS = {"thickness": ("um", 1.0), "C": ("uN*us/um", 1.0)}
+
+
+def on_figure(draw, *arguments):
+    return lambda data, figure: draw(figure, data, *arguments)
+
+
+def draw_two_maps(figure, cells):
+    return maps.draw_maps(figure, [(cells, None, ())] * 2, "f0", "N", (), "times")
+
+
 FIGURES = {
     "snaps": ("cells", on_axes(maps.draw_map)),
     "times": ("cells", on_axes(maps.draw_map, shows="times")),
     "ends": ("cells", on_axes(maps.draw_map, shows="ends")),
-    "maps": (
-        "cells",
-        lambda cells, figure: maps.draw_maps(
-            figure, [(cells, None, ())] * 2, "f0", "N", (), "times"
-        ),
-    ),
+    "maps": ("cells", on_figure(draw_two_maps)),
     "thresholds": ("thresholds", on_axes(thresholds.draw_thresholds)),
     "fields": ("thresholds", on_axes(thresholds.draw_threshold_map, "f0", "C")),
     "boundary": ("thresholds", on_axes(draw_damage_boundary)),
-    "laws": ("laws", lambda laws, figure: draw_laws(figure, laws)),
-    "history": (
-        "history",
-        lambda data, figure: draw_history(figure.subplots(3, sharex=True), data),
-    ),
-    "statics": ("statics", lambda data, figure: draw_statics(figure, data)),
-    "probability": ("tolerances", None),
-    "sensitivity": ("tolerances", None),
-    "yield": ("tolerances", None),
-    "calibration": ("calibration", lambda data, figure: draw_calibration(figure, data)),
+    "laws": ("laws", on_figure(draw_laws)),
+    "history": ("history", lambda data, fig: draw_history(fig.subplots(3, sharex=True), data)),
+    "statics": ("statics", on_figure(draw_statics)),
+    **dict.fromkeys(("probability", "sensitivity", "yield"), ("tolerances", None)),
+    "calibration": ("calibration", on_figure(draw_calibration)),
     "margins": ("verdicts", lambda data, figure: draw_margins(figure.subplots(), rows_of(data))),
-    "window": ("window", lambda data, figure: draw_window(figure, data, UNITS)),
+    "window": ("window", on_figure(draw_window, UNITS)),
 }
 
 
@@ -129,19 +118,10 @@ def single(data):
     return data.isel({key: [0] for key in axes & {*data.dims}})
 
 
-LOSSES = {
-    "missing": lambda data: lost(data, 0),
-    "alone": lambda data: lost(data, 1),
-    "single": single,
-}
-SAYING = (
-    "nothing to show: ",
-    "no threshold",
-    "does not snap",
-    "not known",
-    "snaps at no $N$",
-    "cells)",
-)
+LOSSES = {"missing": lambda data: lost(data, 0), "alone": lambda data: lost(data, 1)}
+LOSSES["single"] = single
+SAYING = "nothing to show: ", "no threshold", "does not snap", "not known", "cells)"
+SAYING += ("snaps at no $N$",)
 
 
 @pytest.mark.usefixtures("paper")

@@ -14,6 +14,7 @@ import pytest
 
 import snapmap
 from snapmap.values.fields import rows, sentences
+from snapmap.values.kinds import kind_of
 
 SECTION = re.compile(r"^(\w+)\n-{3,}\n", re.M)
 RECORDS = ("Auto", "Beam", "Cosines", "Device", "Elements", "Reference", "Run", "Study")
@@ -92,8 +93,10 @@ def test_a_signature_is_short_and_hides_no_argument():
     for name in snapmap.__all__:
         signature = inspect.signature(getattr(snapmap, name))
         kinds = {part.kind for part in signature.parameters.values()}
-        assert not kinds & {inspect.Parameter.VAR_KEYWORD, inspect.Parameter.VAR_POSITIONAL}, name
-        assert all(part.annotation is not part.empty for part in signature.parameters.values())
+        assert kinds <= {inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY}
+        annotations = {part.annotation for part in signature.parameters.values()}
+        assert all(kind_of(of) or of is str for of in annotations) or name[0].isupper(), name
+        assert inspect.Parameter.empty not in annotations, name
 
 
 def test_the_stub_names_where_each_public_name_is_defined(root):

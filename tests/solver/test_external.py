@@ -82,7 +82,7 @@ def test_wide_islands_make_a_row_ragged_and_no_limit_is_sought(handout):
     assert edges.ragged == 1 and edges.islands == 1
     assert abs(edges.N_first - 900) <= edges.N_error <= 40
     assert edges.N_always == pytest.approx(1200.0, rel=0.011)
-    for key in ("N_latched", "velocity_change", "N_static"):
+    for key in ("N_latched", "velocity_change", "N_static", "N_bound", "N_slow", "dwell"):
         assert np.isnan(edges[key]).all()
     assert "10.0% elsewhere" in edges.N_first.comment
 
@@ -163,8 +163,8 @@ def test_an_interrupted_run_keeps_what_it_knows_and_the_next_asks_for_the_rest(
     flat.threshold(handout, [1501.0], [25.0], kept)  # another cell
     assert LOG
     LOG.clear()
-    flat.threshold(handout, *asked, kept, spring=[5.6])  # another device
-    assert LOG
+    both = flat.threshold(handout, *asked, kept, spring=[5.5, 5.6])  # another device
+    assert LOG and both.isel(spring=[1]).N_first.values == pytest.approx(whole.N_first.values[None])
 
 
 def test_runs_are_kept_by_the_file_of_the_solver(handout, tmp_path, monkeypatch):

@@ -17,14 +17,10 @@ def test_models_are_kept_by_the_values_of_the_device_the_model_and_the_start(han
     device, auto = batch([handout]), Auto()
     made = choose_survey(device, auto)
     assert choose_survey(batch([replace(handout)]), auto) is made
-    others = [
-        choose_survey(batch([varied(handout, gap=0.01)]), auto),
-        choose_survey(batch([varied(handout, rise=7.01)]), auto),
-        choose_survey(batch([handout, handout]), auto),
-        choose_survey(device, Auto(tolerance=1e-4)),
-        choose_survey(device, auto, "second"),
-        choose_survey(device, Cosines(modes=3)),
-    ]
+    devices = batch([varied(handout, gap=0.01)]), batch([varied(handout, rise=7.01)])
+    others = [choose_survey(other, auto) for other in (*devices, batch([handout, handout]))]
+    others += [choose_survey(device, model) for model in (Auto(tolerance=1e-4), Cosines(modes=3))]
+    others.append(choose_survey(device, auto, "second"))
     assert len({id(survey) for survey in [made, *others]}) == 7
     assert others[0].decides.device.gap == 0.01 and made.decides.device.gap == 0.0
 
@@ -37,12 +33,8 @@ def test_a_number_is_not_taken_for_a_batch_of_one_and_nothing_is_kept_of_many_or
         return len(calls)
 
     one = batch([handout])
-    assert [kept(make, device, model, "x") for device in (handout, one, handout, one)] == [
-        1,
-        2,
-        1,
-        2,
-    ]
+    seen = [kept(make, device, model, "x") for device in (handout, one, handout, one)]
+    assert seen == [1, 2, 1, 2]
     assert kept(make, one, model, "x", 3.0) == 3 and kept(make, one, model, "y") == 4
     many = batch([handout] * (FEW + 1))
     assert kept(make, many, model, "x") != kept(make, many, model, "x")

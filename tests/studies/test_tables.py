@@ -2,9 +2,9 @@
 
 import re
 import runpy
-import subprocess
 
 import pytest
+from small_workflow import snakemake
 
 import snapmap
 from studies import tables
@@ -50,8 +50,7 @@ def test_no_page_names_an_older_version(made):
 
 
 def test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one(root, tmp_path):
-    command = ["snakemake", "--snakefile", root / "studies.smk", "--directory", tmp_path]
+    config = root / ".test" / "config" / "config.yaml"  # of no account
     for target, names in (("all", {*NAMES} - {*SLOW}), ("all_slow", {*NAMES})):
-        options = ["--cores", "2", "--dry-run", target]
-        done = subprocess.run([*command, *options], capture_output=True, text=True, check=True)
-        assert {*re.findall(r"output: results/studies/(\w+)\.md", done.stdout)} == names
+        _, said = snakemake(root, tmp_path, config, "--dry-run", target, snakefile="studies.smk")
+        assert {*re.findall(r"output: results/studies/(\w+)\.md", said)} == names

@@ -57,14 +57,6 @@ def test_devices_by_name_and_their_values_are_axes(handout, model):
         assert same(cube.sel(device=name, spring=spring), alone)
 
 
-def test_devices_by_name_are_an_axis_of_thresholds(handout):
-    devices = {name: varied(handout, **values) for name, values in DEVICES.items()}
-    edges = flat.threshold(devices, [1500.0], [25.0], model="cosines")
-    for name, device in devices.items():
-        alone = flat.threshold(device, [1500.0], [25.0], model="cosines")
-        assert same(edges[["N_first", "N_static"]].sel(device=name), alone)
-
-
 def document(**sweep):
     whole = yaml.safe_load(TINY)
     whole["sweep"] |= sweep

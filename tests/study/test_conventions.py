@@ -3,7 +3,6 @@
 import json
 
 import flat
-import numpy as np
 import pytest
 import xarray as xr
 
@@ -51,17 +50,6 @@ def test_files_keep_the_conventions_and_say_what_they_are(files, name):
     assert complaints(files / f"{name}.nc", "cf:1.11") <= allowed
     missing = {message.split()[0] for message in complaints(files / f"{name}.nc", "acdd")}
     assert not missing & {"title", "summary", "keywords", "Conventions", "source", "history"}
-
-
-def test_a_cube_is_decoded_as_it_was_written(handout, files):
-    with xr.open_dataset(files / "cube.nc") as cube:
-        assert cube.outcome.dtype == cube.outcome.attrs["flag_values"].dtype == np.int8
-        assert cube.outcome.attrs["flag_meanings"].split() == list(OUTCOMES[:ABSENT])
-        units = {key: cube[key].attrs["units"] for key in cube.coords}
-        assert units == {"C": "uN us um-1", "f0": "Hz", "N": "1"}
-        for key in ("t_snap", "t_settled"):
-            assert cube[key].attrs["units"] == "us" and cube[key].dtype == np.float64
-        xr.testing.assert_equal(cube, flat.sweep(handout, cube.N, cube.f0, cube.C, **MODEL))
 
 
 def test_numbers_of_a_history_and_of_statics_are_variables_with_units(handout, files):

@@ -2,6 +2,7 @@
 
 import inspect
 import os
+import re
 
 import draw
 import numpy as np
@@ -46,9 +47,10 @@ def test_a_flipped_or_cut_file_is_named(product):
         assert opened.N_first.values.tolist() == list(range(40))
     places = range(0, len(whole), 61)
     flips = (whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in places)
+    line = rf"^{re.escape(str(product))}: is damaged; remove it and run again$"
     for damaged in (*flips, whole[:-1], whole[: len(whole) // 2], b""):
         product.write_bytes(damaged)
-        with pytest.raises(ValueError, match=rf"^{product}: is damaged; remove it and run again$"):
+        with pytest.raises(ValueError, match=line):
             open_whole(product)
 
 

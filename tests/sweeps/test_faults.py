@@ -53,7 +53,7 @@ FAULTS = {
 def test_a_faulty_file_is_named(slabs, fault):
     paths, axes = slabs
     FAULTS[fault](paths[1], paths[2])
-    with pytest.raises(ValueError, match=rf"\A{paths[1]}: .*\Z"):
+    with pytest.raises(ValueError, match=rf"\A{re.escape(str(paths[1]))}: .*\Z"):
         collect_slabs(paths, axes, {})
 
 
@@ -63,9 +63,10 @@ def test_slabs_of_several_codes_are_refused(study, slabs):
     (other := paths[0].with_name(f"{slab_name(study, slab)}.nc")).unlink()
     write_slab(study, slab, other, "another")
     others = [path for path in paths if path != other]
-    with pytest.raises(ValueError, match=rf"\A{other}: has cells of other code; .*\Z"):
+    one, two, odd = (re.escape(str(path)) for path in (*others, other))
+    with pytest.raises(ValueError, match=rf"\A{odd}: has cells of other code; .*\Z"):
         collect_slabs([*others, other], axes, {})
-    with pytest.raises(ValueError, match=rf"\A{others[0]}: .* other code.*\n{others[1]}: .*\Z"):
+    with pytest.raises(ValueError, match=rf"\A{one}: .* other code.*\n{two}: .*\Z"):
         collect_slabs(paths, axes, {}, code="another")
 
 
@@ -116,7 +117,7 @@ def test_a_changed_cube_is_refused_in_one_line(tmp_path, words):
     cube, path = CHANGES[words](TINY), tmp_path / "cube.nc"
     cube.to_netcdf(path)
     line = rf": .*{re.escape(words)}.*\Z"
-    with pytest.raises(ValueError, match=rf"\A{path}{line}"):
+    with pytest.raises(ValueError, match=rf"\A{re.escape(str(path))}{line}"):
         snapmap.open_cube(path)
     with pytest.raises(ValueError, match=rf"\Acube{line}"):
         snapmap.plot_outcome(cube)

@@ -1,13 +1,13 @@
 """The command `snapmap`, and what a package without its extras says."""
 
 import re
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 import yaml
 from small_studies import MISSING, THREE_COSINES, TINY, changed
+from small_workflow import snakemake
 
 import snapmap
 from snapmap.applications import gather
@@ -125,21 +125,17 @@ def test_help_says_what_a_config_is_where_results_go_and_whose_other_options_are
         assert words in said
 
 
-def test_a_profile_in_the_folder_of_a_study_is_not_read(root, tmp_path):
+def test_a_profile_in_the_folder_of_a_study_is_not_read(root, tmp_path, monkeypatch):
+    """As the workflow has one of its own, which `run` names."""
     (tmp_path / "profiles" / "default").mkdir(parents=True)
     code = "import pathlib\n  - pathlib.Path('executed').touch()"
     (tmp_path / "profiles" / "default" / "profile.yaml").write_text(
         f"__use_yte__: true\n__definitions__:\n  - {code}\ncores: 1\n"
     )
-    command = [
-        sys.executable,
-        "-m",
-        "snapmap.workflow.command",
-        "run",
-        root / ".test/config/config.yaml",
-    ]
-    done = subprocess.run([*command, "-n"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0 and "find_threshold" in done.stdout + done.stderr, done.stderr
+    monkeypatch.chdir(tmp_path)
+    own = "--workflow-profile", root / "profiles" / "default" / "profile.yaml"
+    _, said = snakemake(root, tmp_path, root / ".test/config/config.yaml", *own, "--dry-run")
+    assert "find_threshold" in said
     assert not (tmp_path / "executed").exists()
 
 

@@ -19,6 +19,8 @@ from snapmap.config.study import load_config
 from snapmap.solver.options import Cosines
 from snapmap.workflow.made import HEAD, LIST
 
+pytestmark = pytest.mark.long
+
 STUDY = f"""{THREE_COSINES}sweep:
   N: {{from: 600, to: 2400, points: 60}}
   f0: {{from: 300 Hz, to: 10 kHz, points: 20, spacing: log}}
@@ -124,7 +126,6 @@ def test_a_killed_run_loses_nothing(resumed):
     assert not list((resumed.path / "results").rglob("*.part"))
 
 
-@pytest.mark.long
 def test_a_killed_job_is_run_again(folder, resumed):
     run = folder.start()
     wait_for(folder.finished, run)
@@ -142,7 +143,6 @@ def listening():
     signal.signal(signal.SIGINT, before)
 
 
-@pytest.mark.long
 def test_ctrl_c_ends_a_run_in_one_line(folder, listening):
     run = folder.start(start_new_session=True)
     jobs = wait_for(lambda: jobs_of(run), run)
@@ -153,7 +153,6 @@ def test_ctrl_c_ends_a_run_in_one_line(folder, listening):
     assert output.count("interrupted: finished files are kept") == 1
 
 
-@pytest.mark.long
 def test_jobs_end_with_a_killed_run(folder):
     run = folder.start()
     jobs = wait_for(lambda: jobs_of(run), run)
@@ -161,7 +160,6 @@ def test_jobs_end_with_a_killed_run(folder):
     assert not psutil.wait_procs(jobs, timeout=20)[1] and not folder.finished()
 
 
-@pytest.mark.long
 def test_a_broken_slab_is_named_and_made_again(folder, resumed):
     shutil.copytree(resumed.path, folder.path, dirs_exist_ok=True)
     broken = min(folder.slabs.glob("*.nc"))
@@ -172,7 +170,6 @@ def test_a_broken_slab_is_named_and_made_again(folder, resumed):
     folder.assert_made(resumed.cube)
 
 
-@pytest.mark.long
 def test_slabs_of_tomorrow_are_joined(folder, resumed):
     shutil.copytree(resumed.path, folder.path, dirs_exist_ok=True)
     for path in folder.slabs.glob("*.nc"):
@@ -183,7 +180,6 @@ def test_slabs_of_tomorrow_are_joined(folder, resumed):
     folder.assert_made(resumed.cube)
 
 
-@pytest.mark.long
 def test_a_job_out_of_memory_is_reported_by_name(folder, resumed):
     run, starved = folder.start(), set()
 
@@ -235,7 +231,6 @@ exec "$@"
 """
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("size", ["100k", "150k"])  # too small for the slabs, or for the cube
 def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
     (folder.path / "results").mkdir()
@@ -249,7 +244,6 @@ def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
     folder.assert_made(resumed.cube)
 
 
-@pytest.mark.long
 def test_the_clone_and_the_packages_may_be_read_only(root, folder, resumed):
     """Nor does a run that nothing disturbs give another cube than one that was killed."""
     places = [root, Path(psutil.__file__).parents[1], folder.path]

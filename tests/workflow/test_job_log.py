@@ -37,7 +37,7 @@ def test_a_job_ends_with_its_run(root, tmp_path):
     assert job.is_running()
     run.kill()
     run.wait()
-    assert wait_for(lambda: not job.is_running() or job.status() == psutil.STATUS_ZOMBIE, 20)
+    assert wait_for(lambda: not job.is_running() or job.status() == psutil.STATUS_ZOMBIE)
 
 
 def test_the_log_has_what_is_printed_and_the_terminal_warnings(tmp_path, capsys):

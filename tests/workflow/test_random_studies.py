@@ -12,21 +12,9 @@ from snapmap.config.study import load_config
 from snapmap.values.faults import Faults
 
 SEEDS = 0, 2, 3, 6, 7, 8, 12, 15, 16, 17
-FEATURES = (
-    "force:",
-    "free:",
-    "stop_away:",
-    "contact_at:",
-    "strength:",
-    "strength_modulus:",
-    "damper_exponent:",
-    "devices:",
-    "train:",
-    "file:",
-    "drop:",
-)
-FEATURES += "both", "start:", "srs:", "psd:", "close", "tolerances:", "calibration:"
-FEATURES += "histories:", "laws:", "marks:", "maps:", "spacing: log", "skip"
+FEATURES = "force: free: stop_away: contact_at: strength: strength_modulus: damper_exponent: both "
+FEATURES += "devices: train: file: drop: start: srs: psd: close tolerances: calibration: maps: "
+FEATURES = [*f"{FEATURES} skip histories: laws: marks:".split(), "spacing: log"]
 
 
 @pytest.mark.long

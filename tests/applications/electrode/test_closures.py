@@ -122,9 +122,8 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     run = flat.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
     for key in CLOSING:
         assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
-    assert {*cube} - {*other} == {*CLOSING} and {*core_sweep(study, 700, [1500.0], [25.0])} == {
-        *other
-    }
+    assert {*cube} - {*other} == {*CLOSING}
+    assert {*core_sweep(study, 700, [1500.0], [25.0])} == {*other}
     assert all((cube[key].values == other[key].values).all() for key in ("outcome", "well"))
     assert (cube.t_closed[..., 1:] < cube.t_snap[..., 1:]).all() and np.isnan(cube.t_closed[..., 0])
     fallen = run.isel(time=slice(0, int(run.w_mid.values.argmin()) + 1))
@@ -160,16 +159,13 @@ UNSEEN, NEVER = {"t_closed_error": np.nan}, {"t_closed": np.nan, "t_closed_error
 @pytest.mark.parametrize(
     ("required", "changes", "verdict"),
     [
-        ({"closes_within": 101.1}, {}, "met"),
-        ({"closes_within": 100.5}, {}, "unclear"),
-        ({"closes_within": 98.9}, {}, "failed"),
-        ({"stays_closed": 48.0}, {}, "met"),
-        ({"stays_closed": 53.0}, {}, "failed"),
+        *(({"closes_within": 101.1}, {}, "met"), ({"closes_within": 100.5}, {}, "unclear")),
+        *(({"closes_within": 98.9}, {}, "failed"), ({"stays_closed": 48.0}, {}, "met")),
+        *(({"stays_closed": 53.0}, {}, "failed"), ({}, {"t_closed": np.nan}, "met")),
         ({"stays_closed": 53.0}, {"openings": 0}, "unclear"),
         ({"closes_within": 98.9, "stays_closed": 48.0}, {}, "failed"),
         ({"closes_within": 500.0}, NEVER, "failed"),
         ({"closes_within": 500.0}, UNSEEN, "unclear"),
-        ({}, {"t_closed": np.nan}, "met"),
     ],
 )
 def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, changes, verdict):
@@ -178,6 +174,5 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
     judged, beside = judge_closing(blank, closing, **required)
     assert judged.verdict == verdict and len(beside) == len(closing) + len(required)
-    assert (
-        judge_closing(blank._replace(verdict="failed"), closing, **required)[0].verdict == "failed"
-    )
+    failed = judge_closing(blank._replace(verdict="failed"), closing, **required)[0]
+    assert failed.verdict == "failed"

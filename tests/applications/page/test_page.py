@@ -57,14 +57,14 @@ def shown_of(cube, **more):
     return shown | {"title": "", "pulse": {}, "required": ()} | more
 
 
-def write_text(path, cube, **more):
-    path.write_text(page(cube, edges_of(cube), shown_of(cube, **more)), encoding="utf-8")
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("a page")
 
 
 @pytest.fixture(scope="module")
-def page_file(cube, tmp_path_factory):
+def page_text(cube, folder):
     """The page of the small cube, written by the rule's own function."""
-    folder = tmp_path_factory.mktemp("a page")
     files = {name: folder / f"{name}.nc" for name in ("cube", "threshold")}
     for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
@@ -73,14 +73,29 @@ def page_file(cube, tmp_path_factory):
     drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED)
     application.draw({"explore": drawing}, folder, files)
     assert sorted(folder.iterdir()) == sorted([*files.values(), folder / "explore.html"])
-    return folder / "explore.html"
+    return (folder / "explore.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def show(browser, folder):
+    """A function that opens the page of a cube, or a text, in one place: scripts are kept by it."""
+
+    def shown(made, window=browser, scheme="light", **more):
+        path = folder / "explore.html"
+        if not isinstance(made, str):
+            made = page(made, edges_of(made), shown_of(made, **more))
+        path.write_text(made, encoding="utf-8")
+        return View(window, path, scheme)
+
+    return shown
 
 
 class View:
     """A page in a browser, what it asked for and what it complained of."""
 
-    def __init__(self, browser, path, **kind):
-        self.page, self.requests, self.complaints = browser.new_page(**kind), [], []
+    def __init__(self, window, path, scheme):
+        self.page, self.requests, self.complaints = window.new_page(), [], []
+        self.page.emulate_media(color_scheme=scheme)
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.complaints.append(message.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -89,7 +104,7 @@ class View:
 
     def wait(self, condition):
         """Wait until it holds; Playwright's own way to wait is a script that the page forbids."""
-        for _ in range(500):
+        for _ in range(3000):
             if self.page.evaluate(condition):
                 return
             self.page.wait_for_timeout(20)
@@ -159,8 +174,8 @@ def times(text):
 
 
 @pytest.fixture(scope="module")
-def view(browser, page_file):
-    return View(browser, page_file)
+def view(show, page_text):
+    return show(page_text)
 
 
 @pytest.mark.parametrize("sure", [0, 1])
@@ -171,11 +186,11 @@ def test_a_page_opens_at_the_threshold_on_a_cell_that_ends_alike_in_other_steps(
     assert _opening(cells, "f0", "N") == [sure, 1]
 
 
-def test_the_page_is_alone_and_sends_the_study_nowhere(browser, page_file):
-    view = View(browser, page_file)
+def test_the_page_is_alone_and_sends_the_study_nowhere(show, page_text, folder):
+    view = show(page_text)
     view.click(0, 3)
     view.slide(1)
-    assert view.requests == [page_file.as_uri()]
+    assert view.requests == [(folder / "explore.html").as_uri()]
     buttons = view.page.query_selector_all(".modebar-btn")
     titles = [button.get_attribute("data-title") for button in buttons]
     assert len(titles) > 4 and not re.search("hare|loud|dit", " ".join(titles))
@@ -269,12 +284,11 @@ def test_a_click_and_the_sliders_choose_a_shock_that_the_page_follows(view, cube
     assert view.text("#at-N + output") == "2200"
 
 
-def test_where_the_page_ends_otherwise_it_says_so_and_pictures_the_start(browser, cube, tmp_path):
+def test_where_the_page_ends_otherwise_it_says_so_and_pictures_the_start(show, cube):
     """It has no time beside that of the map, which counts."""
     other = cube.copy(deep=True)
     other.t_snap[:], other.outcome[:] = np.nan, OUTCOMES.index("unsnapped")
-    write_text(tmp_path / "page.html", other)
-    view = View(browser, tmp_path / "page.html")
+    view = show(other)
     view.click(1, 3)
     view.wait("run")
     assert "It ends otherwise: it snaps" in view.text("#followed b")
@@ -284,7 +298,7 @@ def test_where_the_page_ends_otherwise_it_says_so_and_pictures_the_start(browser
     assert "otherwise" not in view.text("#followed") and view.page.input_value("#instant") == "1"
 
 
-def test_the_device_is_told_in_the_words_of_its_config(browser, tmp_path):
+def test_the_device_is_told_in_the_words_of_its_config(show):
     """With the values that C or an axis has at the cell."""
     beam = {"span": "0.6 mm", "rise": "10 um", "thickness": "2 um", "depth": "22 um"}
     beam |= {"youngs_modulus": "150 GPa", "density": "2330 kg/m^3", "quality_factor": 200}
@@ -296,8 +310,7 @@ def test_the_device_is_told_in_the_words_of_its_config(browser, tmp_path):
     study = load_config(document)
     cube = swept(study.device, **study.axes)
     written = application.figures(study)["explore"]["written"]
-    write_text(tmp_path / "page.html", cube, written=written)
-    view = View(browser, tmp_path / "page.html")
+    view = show(cube, written=written)
     view.slide(0, "thickness")
     for c, quality in enumerate(("9381 at C = 0.025", "1.173 at C = 200")):
         view.slide(c)
@@ -308,6 +321,23 @@ def test_the_device_is_told_in_the_words_of_its_config(browser, tmp_path):
     assert "1/µs" not in told
 
 
+FRAMES = """() => {
+    const [clock, asks] = [performance.now, requestAnimationFrame];
+    const [button, slider] = ["play", "instant"].map((id) => document.getElementById(id));
+    let draw = null;
+    performance.now = () => 0;
+    window.requestAnimationFrame = (show) => { draw = show; };
+    const seen = [0.5, 1, 2].map((share) => {
+        button.click();
+        draw(share * PLAYED);
+        return [button.textContent, slider.value];
+    });
+    [performance.now, window.requestAnimationFrame] = [clock, asks];
+    return seen;
+}"""
+"""The player's button and slider half way, where it is then stopped, and beyond its end."""
+
+
 def test_the_picture_moves_with_the_time(view):
     view.click(1, 3)
     view.wait("run")
@@ -316,10 +346,7 @@ def test_the_picture_moves_with_the_time(view):
         view.page.fill("#instant", share)
         beams.add(view.page.get_attribute("#beam", "d"))
     assert len(beams) == 2 and view.page.get_attribute("#mass", "d").startswith("M150")
-    view.page.click("#play")
-    view.wait("Number(document.getElementById('instant').value) < 0.9")
-    view.page.click("#play")
-    assert view.text("#play") == "play"
+    assert view.page.evaluate(FRAMES) == [["stop", "0.5"], ["play", "0.5"], ["play", "1"]]
 
 
 def test_keys_and_buttons_move_the_choice(view):
@@ -333,8 +360,8 @@ def test_keys_and_buttons_move_the_choice(view):
         view.wait_for(*cell)
 
 
-def test_the_first_keys_skip_to_the_parts_of_the_page(browser, page_file):
-    view = View(browser, page_file)
+def test_the_first_keys_skip_to_the_parts_of_the_page(show, page_text):
+    view = show(page_text)
     for name in ("map", "shock"):
         view.page.keyboard.press("Tab")
         assert view.page.evaluate("document.activeElement.textContent") == name
@@ -374,11 +401,17 @@ def pixels(view, selector):
     return np.sort(luminance(image[..., :3]).ravel())
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_texts_stand_out_in_light_and_dark(browser, page_file, scheme):
-    """Figures are turned with the page; of the map the cells keep their colours."""
-    view = View(browser, page_file, color_scheme=scheme)
+@pytest.fixture(scope="module", params=["light", "dark"])
+def schemed(request, show, page_text):
+    """A scheme of colours, and the page in it."""
+    view = show(page_text, scheme=request.param)
     view.wait("run")
+    return request.param, view
+
+
+def test_texts_stand_out_in_light_and_dark(schemed):
+    """Figures are turned with the page; of the map the cells keep their colours."""
+    scheme, view = schemed
     pairs = {tuple(pair) for pair in view.page.evaluate(COLOURS)}
     text, ground = np.array([[*map(luminance, pair)] for pair in pairs]).T
     assert len(pairs) > 3 and ((text < ground) == (scheme == "light")).all()
@@ -396,10 +429,8 @@ A4 = {"width": 703, "height": 1032}
 """A sheet within margins of 12 mm, in pixels of CSS."""
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_the_print_is_light_and_keeps_the_key_with_its_map(browser, page_file, scheme):
-    view = View(browser, page_file, color_scheme=scheme)
-    view.wait("run")
+def test_the_print_is_light_and_keeps_the_key_with_its_map(schemed):
+    scheme, view = schemed
     sheets = re.findall(rb"/Type\s*/Page\b", view.page.pdf(format="A4"))
     assert len(sheets) <= 3
     view.page.emulate_media(media="print", color_scheme=scheme)
@@ -422,8 +453,8 @@ def test_the_print_is_light_and_keeps_the_key_with_its_map(browser, page_file, s
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 
 
-def test_a_phone_shows_all_in_its_width_and_a_finger_chooses_and_scrolls(browser, page_file):
-    phone = View(browser, page_file, **PHONE)
+def test_a_phone_shows_all_in_its_width_and_a_finger_chooses_and_scrolls(browser, show, page_text):
+    phone = show(page_text, browser.browser.new_context(**PHONE))
     assert phone.page.evaluate("document.documentElement.scrollWidth") == 390
     phone.wait("run")
     phone.page.touchscreen.tap(*phone.point_at(2, 3))
@@ -440,7 +471,7 @@ def test_a_phone_shows_all_in_its_width_and_a_finger_chooses_and_scrolls(browser
     assert phone.page.evaluate("map.layout.yaxis.range") == before and phone.complaints == []
 
 
-def test_text_from_a_config_is_text(browser, cube, tmp_path):
+def test_text_from_a_config_is_text(show, cube):
     """Also where it would be a script."""
     hostile = "</script><img src=x onerror=window.harmed=1>"
     document = json.loads(cube.attrs["config"])
@@ -448,8 +479,7 @@ def test_text_from_a_config_is_text(browser, cube, tmp_path):
     document["devices"] = {hostile: document.pop("device")}
     named = cube.expand_dims(device=[hostile]).assign_attrs(config=json.dumps(document))
     required = [(hostile, 3000.0, 1200.0, [("versed sine", "+z")])]
-    write_text(tmp_path / "page.html", named, title=hostile, required=required)
-    view = View(browser, tmp_path / "page.html")
+    view = show(named, title=hostile, required=required)
     view.wait("run")
     for selector in ("h1", "#device", "#classes", "footer"):
         assert hostile in view.text(selector)
@@ -457,19 +487,12 @@ def test_text_from_a_config_is_text(browser, cube, tmp_path):
     assert view.page.evaluate("[document.images.length, window.harmed ?? 0]") == [0, 0]
 
 
-def view_of(browser, path, device, **axes):
-    """The cube of a device, or of several, and its page in a browser."""
-    cube = swept(device, **axes)
-    write_text(path, cube)
-    return cube, View(browser, path)
-
-
 @pytest.fixture(scope="module")
-def of_devices(browser, handout, tmp_path_factory):
+def of_devices(show, handout):
     """Two axes of the device, one of which has points without a second stable shape."""
-    path = tmp_path_factory.mktemp("devices") / "explore.html"
     axes = {"C": [25.0], "thickness": [1.8, 2.0, 4.4], "spring": [4.0, 7.0]}
-    return view_of(browser, path, handout, **axes, skip=True)
+    cube = swept(handout, **axes, skip=True)
+    return cube, show(cube)
 
 
 def test_each_further_axis_of_several_values_has_a_slider(of_devices):
@@ -509,9 +532,9 @@ def test_a_cell_without_a_device_says_so_and_shows_no_curves(of_devices):
     assert view.page.is_visible("#history") and view.complaints == []
 
 
-def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, handout, tmp_path):
+def test_where_f0_has_one_value_the_longest_other_takes_its_place(show, handout):
     axes = {"thickness": [1.8, 1.9, 2.0, 2.2], "spring": [4.0, 7.0], "f0": [1500.0], "C": [25.0]}
-    cube, view = view_of(browser, tmp_path / "page.html", handout, **axes)
+    view = show(cube := swept(handout, **axes))
     for s, words in enumerate(("4 N/m", "7 N/m")):
         view.slide(s, "spring")
         assert view.sliders() == [["spring", words]]
@@ -523,10 +546,10 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(browser, hando
     assert view.shown("map", "y", FIRST) != []
 
 
-def test_a_sweep_to_the_snap_shows_where_it_snaps(browser, handout, tmp_path):
+def test_a_sweep_to_the_snap_shows_where_it_snaps(show, handout):
     """Nothing is known of what follows, and nothing said."""
     run = Run(SETTINGS.horizon, until="snap")
-    cube, view = view_of(browser, tmp_path / "page.html", handout, C=[25.0], run=run)
+    view = show(cube := swept(handout, C=[25.0], run=run))
     assert "well" not in cube
     assert view.shows(cube.isel(C=0), states=lambda cells: cells.t_snap.notnull().astype(int))
     for state, count in zip(SNAPS, (cube.t_snap.isnull(), cube.t_snap.notnull()), strict=False):
@@ -544,14 +567,13 @@ def drawn_shapes(view):
 
 
 def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_the_map_whole(
-    browser, view, cube, tmp_path, monkeypatch
+    show, view, cube, monkeypatch
 ):
     assert drawn_shapes(view) == ["first"]
     monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
     document = json.loads(cube.attrs["config"])
     document["run"] |= {"start": "second"}
-    write_text(tmp_path / "page.html", cube.assign_attrs(config=json.dumps(document)))
-    opened = View(browser, tmp_path / "page.html")
+    opened = show(cube.assign_attrs(config=json.dumps(document)))
     assert drawn_shapes(opened) == ["second"]
     opened.wait("document.getElementById('followed').textContent")
     assert "too many samples" in opened.text("#followed") and not opened.page.is_visible("#history")

@@ -1,6 +1,5 @@
 """Kinds of text in a config: titles, paths, and amplitudes of a shape."""
 
-from collections.abc import Sequence
 from typing import Annotated
 
 from typing_extensions import TypeAliasType
@@ -28,19 +27,6 @@ class TitleKind(Kind):
 
 
 Title = TypeAliasType("Title", Annotated[str, TitleKind()])
-
-
-def read_each(kind: Kind, items: Sequence) -> list:
-    """Read the items of a list; Faults, which begin with the place of each."""
-    values, faults = [], []
-    for place, item in enumerate(items):
-        try:
-            values.append(kind.read(item))
-        except ValueError as error:
-            faults.append(f"[{place}]: {error}")
-    if faults:
-        raise Faults(*few(faults))
-    return values
 
 
 class AmplitudesKind(Kind):

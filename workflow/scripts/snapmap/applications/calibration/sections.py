@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...config.kinds import StudyPath, read_each
+from ...config.kinds import StudyPath
 from ...device.device import VALUES, Device
 from ...files.named import inside, sha256_of
 from ...files.tables import ROWS
