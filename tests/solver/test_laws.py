@@ -22,7 +22,7 @@ from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver import plain_loop
+from snapmap.solver import lawful_loop, plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
 from snapmap.solver.laws import PARAMETERS, Laws, load_laws
@@ -238,14 +238,11 @@ def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
     def solver(cell, step):
         raise [KeyError, SystemExit][cell.f0 > 0.002]("deep\nhole")
 
-    def march(_, run, damping, *others):
-        return damping(*run)
-
-    monkeypatch.setattr(plain_loop, "_compiled_with_laws", march)
+    monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
     with pytest.raises(
         ValueError, match=r"\Amodel\.laws: .*test_laws\.py, line \d+: damping: damping: V"
     ):
-        plain_loop.follow(None, (25.0, 1.0, 0.0), Laws(damping=damping))
+        plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
     for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):
         where = rf"solver at N = 900, f0 = {f0:g} Hz, C = 25 uN\*us/um"
         with pytest.raises(

@@ -20,7 +20,7 @@ from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import System, nodal_system
 from snapmap.solver.options import Cosines
-from snapmap.solver.plain_loop import follow, march_cell
+from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
 
@@ -223,7 +223,7 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
     assert sorted(in_kernel) == sorted({name for name in vars(R) if name.isupper()} - bounds)
     assert set(System._fields) <= set(in_plain_loop)
     of_loop = {*CellRun._fields, *Ledger._fields}
-    of_loop |= {*System._fields, *march_cell.__code__.co_varnames}
+    of_loop |= {*System._fields, *follow.py_func.__code__.co_varnames}
     assert set(in_plain_loop) <= of_loop
 
 

@@ -44,6 +44,12 @@ class Ledger(NamedTuple):
 
 
 @compiled
+def opened(begun: float) -> Ledger:
+    """Return the ledger of a run that begins with this energy."""
+    return Ledger(begun, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@compiled
 def entered(ledger: Ledger, power: float, loss: float, dt: float) -> Ledger:
     """Return the ledger a step later, by the trapezoidal rule; power, loss: at its instant."""
     return Ledger(

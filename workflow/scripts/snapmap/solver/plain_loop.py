@@ -1,14 +1,16 @@
-"""The handout's scheme to the letter: central differences in a plain loop, with a user's laws."""
+"""The handout's scheme to the letter: central differences in a plain loop."""
+
+from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled
 from ..numerics.linalg import apply
+from . import lawful_loop
 from .cells import Cells
-from .laws import Law, Laws, of_user
-from .ledger import CellRun, Ledger, bounced, entered, keep, results
+from .laws import Laws, of_user
+from .ledger import CellRun, bounced, entered, keep, opened, results
 from .nodal import (
     System,
     axial_force,
@@ -16,7 +18,6 @@ from .nodal import (
     contact_energy,
     dot,
     free_energy,
-    mobility,
     multiply,
     nodal_system,
 )
@@ -24,19 +25,10 @@ from .settings import SECOND, Run
 from .stops import is_held, meet_stops
 
 LANES = 1  # cells that are followed side by side
-PASSES = 3
-"""Iterations of a step with a law of damping, for the velocity half way through it."""
-SPARE = 1.44
-"""Most (omega dt)^2 that a law may add: the limit is 4, and a step at 0.8 of it leaves 1.44."""
 
 
-def march_cell(
-    system: System,
-    run: CellRun,
-    damping_law: Law | None,
-    contact_law: Law | None,
-    force_law: Law | None,
-) -> tuple[float, float, float]:
+@compiled
+def follow(system: System, run: CellRun) -> tuple[float, float, float]:
     """March a cell by central differences until side w(L/2) passes the target or steps are done.
 
     With u = q - q0 and the displacement y of the mass, both from rest, at t = n dt:
@@ -45,11 +37,8 @@ def march_cell(
         Mb (u+ - 2 u + u-)/dt^2 + alpha Mb (u+ - u-)/(2 dt) = -Kb u + N (G u + G q0) - f a - e P
         M (y+ - 2 y + y-)/dt^2 + C (y+ - y-)/(2 dt) = -M a - K y + P
 
-    docs/theory.md, Q6, numbers the steps; stops, laws and the ledger are no part of the handout.
+    docs/theory.md, Q6, numbers the steps; stops and the ledger are no part of the handout.
     system: a `System`; run: a `CellRun`
-    ..._law: as in `Laws`, or None for the handout's own. The ledger takes the work of contact and
-        force as it is; the error is infinite if one is too stiff for the step. With a law of the
-        force nothing bends
     Returns t_snap, energy_error and pulse_work, as in `Observations`.
     """
     (pieces, ends), amplitude, f0, damping, target, dt, steps, history = run
@@ -60,11 +49,7 @@ def march_cell(
     inertia, drag = system.mass / dt**2, damping / (2 * dt)
     beam_drag = system.beam_damping * dt / 2
     N = axial_force(system, u, bending_u, geometric_u)
-    begun = free_energy(system, u, velocity, (y, 0.0), N)
-    begun += contact_energy(system, u, y) if contact_law is None else 0.0
-    ledger = Ledger(begun, 0.0, 0.0, 0.0, 0.0, 0.0)
-    overlap, P, push, law_power, lawful, too_stiff = -system.gap, 0.0, 0.0, 0.0, 0.0, False
-    yields = dt**2 * mobility(system)
+    ledger = opened(free_energy(system, u, velocity, (y, 0.0), N) + contact_energy(system, u, y))
 
     for step in range(steps):
         if y < -system.stop_toward or y > system.stop_away:
@@ -75,74 +60,49 @@ def march_cell(
         k = curve.at(pieces, k, len(pieces), x)
         a = amplitude * curve.sample(pieces, k, ends, x, f0 * dt)  # 2
         w_mid = dot(system.midpoint, u)
-        if force_law is None:
-            N = axial_force(system, u, bending_u, geometric_u)  # 3
-        else:
-            push_before, push = push, force_law(-w_mid)
-            moved = abs(w_mid - dot(system.midpoint, u_before))
-            too_stiff |= step > 0 and yields * abs(push - push_before) > SPARE * moved
-        overlap_before, P_before, overlap = overlap, P, w_mid - y - system.gap
-        if contact_law is None:
-            P = system.penalty * max(0.0, overlap)  # 4
-        else:
-            P, moved = contact_law(system.penalty, overlap), abs(overlap - overlap_before)
-            harder = abs(P - P_before) - system.penalty * moved
-            too_stiff |= step > 0 and (yields + dt**2 / system.mass) * harder > SPARE * moved
+        N = axial_force(system, u, bending_u, geometric_u)  # 3
+        P = system.penalty * max(0.0, w_mid - y - system.gap)  # 4
         for i in range(n):
-            if force_law is None:
-                force[i] = N * (geometric_u[i] + system.slope_start[i]) - bending_u[i]  # 5
-            else:
-                force[i] = system.midpoint[i] * push
+            force[i] = N * (geometric_u[i] + system.slope_start[i]) - bending_u[i]  # 5
             force[i] -= system.load[i] * a + system.midpoint[i] * P
         multiply(system.inverse_inertia, force, acceleration)
         for i in range(n):
             u_after[i] = 2 * u[i] - (1 - beam_drag) * u_before[i] + dt**2 * acceleration[i]  # 6
             u_after[i] /= 1 + beam_drag
             velocity[i] = (u_after[i] - u_before[i]) / (2 * dt)
-        force_y, y_after = P - system.spring * y - system.mass * a, 2 * y - y_before
-        for _ in range(1 if damping_law is None else PASSES):  # 7
-            y_velocity = (y_after - y_before) / (2 * dt)
-            if damping_law is not None and y_velocity != 0:
-                drag = damping_law(damping, y_velocity, y) / (2 * dt * y_velocity)
-            y_after = (force_y + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)
+        force_y = P - system.spring * y - system.mass * a
+        y_after = (force_y + inertia * (2 * y - y_before) + drag * y_before) / (inertia + drag)  # 7
         if is_held(system, y_before, y, force_y):
             y_after = y
         y_velocity = (y_after - y_before) / (2 * dt)
+
         power = -a * (system.mass * y_velocity + dot(system.load, velocity))
-        loss = (damping if damping_law is None else 2 * dt * drag) * y_velocity**2
+        loss = damping * y_velocity**2
         if system.beam_damping > 0:
             loss += beam_loss(system, velocity, force)
         ledger = entered(ledger, power, loss, dt)
-        if contact_law is not None or force_law is not None:
-            law_before, w_velocity = law_power, dot(system.midpoint, velocity)
-            of_contact = 0.0 if contact_law is None else P * (y_velocity - w_velocity)
-            law_power = push * w_velocity + of_contact
-            lawful += (law_before + law_power) * dt / 2
         if step < history.shape[0]:
             keep(history[step], u, velocity, (y, y_velocity, ledger.work, ledger.lost))
         w_after = dot(system.midpoint, u_after)
-        snaps = system.side * w_after <= target or not np.isfinite(w_after)  # 8
-        if snaps or step == steps - 1 or too_stiff:
+        if system.side * w_after <= target or step == steps - 1 or not np.isfinite(w_after):  # 8
             break
         u_before, u, u_after = u, u_after, u_before
         y_before, y = y, y_after
-    energy = free_energy(system, u, velocity, (y, y_velocity), N)
-    energy += contact_energy(system, u, y) if contact_law is None else 0.0
-    residual = np.inf if too_stiff else energy + ledger.lost - ledger.work - lawful - ledger.begun
+    energy = free_energy(system, u, velocity, (y, y_velocity), N) + contact_energy(system, u, y)
+    residual = energy + ledger.lost - ledger.work - ledger.begun
     return results(run, step, (system.side * w_mid, system.side * w_after), ledger, residual)
 
 
-_compiled = compiled(march_cell)
-_compiled_with_laws = njit(nogil=True, error_model="numpy")(march_cell)
-"""The loop with laws, for which numba cannot keep it on disk."""
-
-
-def follow(system: System, run: CellRun, laws: Laws | None = None) -> tuple[float, float, float]:
-    """Follow a cell as `march_cell` does, with laws in its lines if there are any."""
+def follower(laws: Laws | None) -> Callable:
+    """Return `follow`, or the loop of `lawful_loop` with the laws bound to it, if there are any."""
     if laws is None:
-        return _compiled(system, run, None, None, None)
-    with of_user(str(laws)):
-        return _compiled_with_laws(system, run, laws.damping, laws.contact, laws.force)
+        return follow
+
+    def follow_by(*run):
+        with of_user(str(laws)):
+            return lawful_loop.follow(*run, laws.damping, laws.contact, laws.force)
+
+    return follow_by
 
 
 def starting(model, start: str) -> System:
@@ -160,7 +120,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns columns as in `kernel.lanes.Facts`, of which wells and `lowest` are unknown.
     """
-    observed = np.empty((3, cells.f0.size))
+    observed, follow_by = np.empty((3, cells.f0.size)), follower(model.laws)
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -170,8 +130,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             pulse = cells.pulses[cells.pulse[i]].curve
             load = pulse, cells.amplitude[i], cells.f0[i], cells.damping[i]
-            run = CellRun(*load, target, dt[i], steps, no_history)
-            observed[:, i] = follow(system, run, model.laws)
+            observed[:, i] = follow_by(system, CellRun(*load, target, dt[i], steps, no_history))
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown
