@@ -12,7 +12,7 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.text import show
-from ..values import quantities as of
+from ..values import quantities
 from ..values.fields import hints
 from ..values.kinds import Kind, Number, kind_of
 from ..values.records import record
@@ -63,35 +63,35 @@ class Beam:
     10.0
     """
 
-    span: of.Length
+    span: quantities.Length
     """distance between the clamps"""
-    rise: of.Distance
+    rise: quantities.Distance
     """height of the midpoint as made; a straight beam, which compression must buckle, has 0"""
-    thickness: of.Length
+    thickness: quantities.Length
     """thickness in the direction of motion"""
-    depth: of.Length
+    depth: quantities.Length
     """width across the plane of motion; of a double beam, of both beams together"""
-    youngs_modulus: of.Modulus
+    youngs_modulus: quantities.Modulus
     """Young's modulus"""
-    density: of.Density
+    density: quantities.Density
     """density of the beam"""
-    damping: of.Rate = 0.0
+    damping: quantities.Rate = 0.0
     """viscous drag per unit mass; oscillations decay at half this rate"""
-    residual_stress: of.Stress = 0.0
+    residual_stress: quantities.Stress = 0.0
     """axial stress before the beam bends; tension is positive"""
-    imperfection: of.Distance = 0.0
+    imperfection: quantities.Distance = 0.0
     """amplitude of the first antisymmetric shape as made; a free beam needs one above 0"""
     free: Free = 0.0
     """whether the beam can tilt; a guided beam cannot"""
-    clamp_axial: of.Clamp = math.inf
+    clamp_axial: quantities.Clamp = math.inf
     """stiffness of each clamp along the beam; rigid if left out"""
-    cosine_2: of.Part = 0.0
+    cosine_2: quantities.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_3: of.Part = 0.0
+    cosine_3: quantities.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_4: of.Part = 0.0
+    cosine_4: quantities.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
-    cosine_5: of.Part = 0.0
+    cosine_5: quantities.Part = 0.0
     """amplitude of (1 - cos(2 n pi x/L))/2 in the shape as made, over the rise; the name has n"""
 
     def __post_init__(self):

@@ -9,7 +9,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ..values import quantities as of
+from ..values import quantities
 from ..values.fields import hints
 from ..values.kinds import Number, Quantity, kind_of
 from ..values.records import assemble, record
@@ -47,42 +47,42 @@ class Device:
 
     beam: Beam
     """dimensions and material of the beam"""
-    mass: of.Mass
+    mass: quantities.Mass
     """moving mass; `none` for a beam alone, without spring, contact, gap, stops and C"""
-    spring: of.Stiffness | of.LeftOut = None
+    spring: quantities.Stiffness | quantities.LeftOut = None
     """stiffness of the spring that holds the mass; required, unless `mass` is none"""
-    contact: of.Contact | of.LeftOut = None
+    contact: quantities.Contact | quantities.LeftOut = None
     """stiffness of the place of impact, or `hard`; required, unless `mass` is none"""
-    gravity: of.Acceleration | of.LeftOut = None
+    gravity: quantities.Acceleration | quantities.LeftOut = None
     """the unit of N; required, or `force`"""
-    gap: of.Gap = 0.0
+    gap: quantities.Gap = 0.0
     """distance between mass and midpoint at rest"""
-    force: of.Force = 0.0
+    force: quantities.Force = 0.0
     """the unit of N if the pulse pushes the midpoint of a beam without mass; replaces `gravity`"""
-    stop_toward: of.Travel = math.inf
+    stop_toward: quantities.Travel = math.inf
     """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
-    stop_away: of.Travel = math.inf
+    stop_away: quantities.Travel = math.inf
     """travel of the mass from rest to a stop, towards the beam or away; no stop if left out"""
-    restitution: of.Restitution = RESTITUTION
+    restitution: quantities.Restitution = RESTITUTION
     """share of its speed that the mass keeps at a stop"""
-    temperature: of.Temperature | of.LeftOut = None
+    temperature: quantities.Temperature | quantities.LeftOut = None
     """temperature at which modulus and stress hold; that of `reference_temperature` if left out"""
-    reference_temperature: of.Temperature = REFERENCE
+    reference_temperature: quantities.Temperature = REFERENCE
     """temperature at which C holds"""
-    modulus_slope: of.Expansion = 0.0
+    modulus_slope: quantities.Expansion = 0.0
     """relative change of Young's modulus"""
-    expansion_mismatch: of.Expansion = 0.0
+    expansion_mismatch: quantities.Expansion = 0.0
     """thermal expansion of the beam minus that of the frame"""
-    damper_exponent: of.Exponent = 0.0
+    damper_exponent: quantities.Exponent = 0.0
     """power of the absolute temperature with which C grows"""
-    strength: of.Strength = math.inf
+    strength: quantities.Strength = math.inf
     """stress at which the beam breaks, never if left out; with a Weibull modulus, the excess over
     `strength_threshold` at which 63 % of beams break"""
-    strength_modulus: of.WeibullModulus = math.inf
+    strength_modulus: quantities.WeibullModulus = math.inf
     """Weibull modulus of the strength: the larger, the less scatter; no scatter if left out"""
-    strength_threshold: of.LeastStrength = 0.0
+    strength_threshold: quantities.LeastStrength = 0.0
     """stress below which no beam breaks"""
-    contact_at: of.Position = -math.inf
+    contact_at: quantities.Position = -math.inf
     """w(L/2) where the beam touches an electrode; no electrode if left out"""
 
     @classmethod

@@ -29,12 +29,18 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
 
     Returns `Facts`.
     """
-    facts = Facts(*no_observations(cells.f0.shape)[:7])
+    nothing = no_observations(cells.f0.shape)
+    facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
-        _coefficients(model, settings.start),
-        table(cells.pulses),
-        *cells[:-1],
-        dt,
+        devices=_coefficients(model, settings.start),
+        pulses=table(cells.pulses),
+        device=cells.device,
+        pulse=cells.pulse,
+        amplitude=cells.amplitude,
+        f0=cells.f0,
+        damping=cells.damping,
+        t_end=cells.t_end,
+        dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
         jumps=settings.question != MOVE and any(pulse.waits.size for pulse in cells.pulses),
