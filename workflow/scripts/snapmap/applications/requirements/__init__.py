@@ -64,7 +64,7 @@ class Requirements(Application):
     def records(self, study: Config) -> list[tuple[Pulse, float]]:
         """Recorded shocks among the requirements."""
         recorded = [shock for shock in shocks_of(study) if "file" in shock.pulse]
-        return [(shock.shocks.pulse, shock.f0) for shock in recorded]
+        return [(pulse, shock.f0) for shock in recorded for pulse in shock.shocks.shapes.values()]
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""
