@@ -95,7 +95,7 @@ class View:
         self.wait("document.getElementById('verdict').textContent")
 
     def wait(self, condition, act=lambda: None):
-        """Act, every two seconds, until it holds; Playwright's way is a script, which is forbidden."""
+        """Act, every two seconds, until it holds; the page forbids Playwright's own way to wait."""
         for turn in range(3000):
             if turn % 100 == 0:
                 act()
