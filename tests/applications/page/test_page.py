@@ -102,9 +102,11 @@ class View:
         self.page.goto(path.as_uri())
         self.wait("document.getElementById('verdict').textContent")
 
-    def wait(self, condition):
-        """Wait until it holds; Playwright's own way to wait is a script that the page forbids."""
-        for _ in range(3000):
+    def wait(self, condition, act=lambda: None):
+        """Act, every two seconds, until it holds; the page forbids Playwright's own way to wait."""
+        for turn in range(3000):
+            if turn % 100 == 0:
+                act()
             if self.page.evaluate(condition):
                 return
             self.page.wait_for_timeout(20)
@@ -132,10 +134,16 @@ class View:
         )
 
     def hover(self, i, j):
-        self.page.mouse.move(0, 0)
-        self.wait("document.getElementById('hovered').textContent === ''")
-        self.page.mouse.move(*self.point_at(i, j))
-        self.wait("document.getElementById('hovered').textContent !== ''")
+        """What the page says of a cell; a map that is just drawn anew may miss the pointer."""
+
+        def move(*places):
+            for place in places:
+                self.page.mouse.move(*place)
+
+        self.page.bring_to_front()
+        text, there = "document.getElementById('hovered').textContent", self.point_at(i, j)
+        self.wait(f"{text} === ''", lambda: move(there, (0, 0)))
+        self.wait(f"{text} !== ''", lambda: move((0, 0), there))
         return self.text("#hovered")
 
     def click(self, i, j):
