@@ -90,7 +90,9 @@ def set_badly(rng, section, path):
 
 def delete(rng, section, path):
     del section[path[-1]]
-    return [(name_of(path), "missing; write ")] if path[-1] not in OPTIONAL else []
+    of_study = path[0] == "histories" and path[-1] != "N"  # asked of the study, if that is right
+    may_lack = path[-1] in OPTIONAL or of_study
+    return [] if may_lack else [(name_of(path), "missing; write ")]
 
 
 def rename(rng, section, path):

@@ -112,7 +112,9 @@ def plain(handout):
         steps = int(np.ceil(cell.t_end / step))
         load = cell.pulse.curve, cell.amplitude, cell.f0, cell.damping
         t, error, _ = plain_loop.follow(system, CellRun(*load, target, step, steps, no_history))
-        return t if error <= 1e-3 else np.inf
+        if error > 1e-3:
+            return np.inf
+        return None if np.isnan(t) else t
 
     return plain
 

@@ -221,5 +221,5 @@ def test_the_forecast_counts_the_flight_of_a_drop_as_its_history_follows_it(hand
         Shock(name="drop", N=500.0, snaps=False, f0=shocks.own_frequency(), shocks=shocks)
         for shocks in drops
     ]
-    short, long = (judged_seconds(damped, [shock], [25.0]) for shock in asked)
+    short, long = (judged_seconds(damped, [shock], [25.0], [20.0]) for shock in asked)
     assert short > 10 and long / short == pytest.approx(2, rel=0.05)
