@@ -12,7 +12,9 @@ from small_studies import TINY
 from varied import varied
 
 from snapmap.config.study import load_config
+from snapmap.config.views import frequency_of
 from snapmap.device.device import VALUES
+from snapmap.study.axes import duration_of
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import make_plan
@@ -84,3 +86,8 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     cube = collect_slabs(paths, study.axes, whole)
     asked = CHEAP | {"horizon": 200.0, "skip": True}
     assert_same_cube(cube, flat.sweep(study.device, **study.axes, **asked))
+
+
+def test_a_duration_comes_back_from_the_f0_that_it_became():
+    durations = [tenths / 10 for tenths in range(1, 300)]
+    assert [duration_of(frequency_of(1e3 * duration)) for duration in durations] == durations

@@ -56,6 +56,11 @@ def attributes_of(name: str) -> dict[str, str]:
     return {"long_name": COORDINATES[name]} | units if name in COORDINATES else {}
 
 
+def duration_of(f0: float) -> float:
+    """Give the duration, ms, of a pulse by f0, Hz, to 12 digits, as an f0 of 0.9 ms has 14."""
+    return float(f"{1e3 / f0:.12g}")
+
+
 class Grid(NamedTuple):
     """All points of a study's axes.
 

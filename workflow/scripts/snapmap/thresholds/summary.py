@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from ..files.text import plain
+from ..study.axes import duration_of
 from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
 
 
@@ -20,8 +21,7 @@ def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
     N_first = thresholds.N_first
     dims, kept = N_first.dims, [key for key, a in thresholds.items() if "island" not in a.dims]
     table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
-    # An f0 that was made of a duration has lost its last digits.
-    table.insert(len(dims), "duration_ms", [float(f"{1e3 / f0:.12g}") for f0 in table["f0"]])
+    table.insert(len(dims), "duration_ms", table["f0"].map(duration_of))
     table["status"] = np.array(STATUS)[table["status"]]
     return table[[*dims, "duration_ms", *kept]]
 

@@ -89,7 +89,8 @@ def check(config: Path) -> None:
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
-    print(f"{prod(study.grid.shape)} cells ({sizes}) in {len(plan.slabs)} jobs of one core")
+    jobs = "a job" if len(plan.slabs) == 1 else f"{len(plan.slabs)} jobs"
+    print(f"{prod(study.grid.shape)} cells ({sizes}) in {jobs} of one core")
     laws = study.model.laws
     if laws and laws.solver:
         print(_runs(study))

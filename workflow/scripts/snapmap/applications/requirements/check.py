@@ -12,6 +12,7 @@ from ...device.device import Device
 from ...files.text import plain
 from ...solver.outcome import FAILED, OUTCOMES, label, side_at_end
 from ...solver.settings import THRESHOLD_TOLERANCE
+from ...study.axes import duration_of
 from ...study.shock import Shock
 from ...study.study import ANY, Study
 from ...thresholds.surface import first_snaps
@@ -113,7 +114,7 @@ def _verdicts(study, name, required, C, tolerance):
             direction=shocks.direction,
             N=N,
             f0=f0,
-            duration=1e3 / f0,
+            duration=duration_of(f0),
             C=damping,
             temperature=float(study.device.temperature),
             must_snap=must,
