@@ -56,3 +56,7 @@ def test_limits_hold_where_thresholds_are_within_1_percent_and_are_broad_there(l
     assert broad == [[[50.0, laws.N_slow.values[0, 0]]], []]
     levels = {line.get_ydata()[0] for line in below.lines[1:]}
     assert levels == {laws.dwell.item() / 2, *laws.saddle_scale.values}
+    draw_laws(figure := style.double_column(4.6), laws.assign(N_slow=laws.N_slow * np.nan))
+    words = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert not words & {"law of the dwell time, and half of it", "holds to 1 %"}
+    assert "law of the velocity change" in words

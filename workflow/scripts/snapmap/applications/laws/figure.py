@@ -31,8 +31,14 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
             top.plot(scale.places, _holding(law, curve), color=colour, **HOLDING)
     for delay, dashes in zip(laws.saddle_scale.values, SADDLES.values(), strict=True):
         below.axhline(delay, linestyle=dashes, **THIN)
-    looks = {words: THIN | {"linestyle": dashes} for words, dashes in (DASHES | SADDLES).items()}
-    looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
+    lines = laws.N_slow, laws.N_short, *laws.saddle_scale.values
+    looks = {
+        words: THIN | {"linestyle": dashes}
+        for (words, dashes), line in zip((DASHES | SADDLES).items(), lines, strict=True)
+        if np.isfinite(line).any()
+    }
+    if any(np.isfinite(_holding(law, laws)).any() for law in lines[:2]):
+        looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
     keys = [Line2D([], [], label=words, **look) for words, look in looks.items()]
     top.set(yscale="log", ylabel=scales.axis_label("N", laws.attrs))
     if not style.note_missing(top, laws.N_first, NONE_KNOWN):
