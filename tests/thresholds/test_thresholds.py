@@ -15,7 +15,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, label
 from snapmap.solver.settings import Run
-from snapmap.thresholds.bars import distance
+from snapmap.thresholds.bars import distance, make_bars
 from snapmap.thresholds.edges import stretches
 from snapmap.thresholds.effort import CLOSE_STEP
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
@@ -101,6 +101,31 @@ def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided,
     below = np.reshape(decided, (-1, 2))[: -1 if highest is None else None]
     np.testing.assert_allclose(np.transpose(islands)[:, 0], below, rtol=2e-6)
     assert np.isnan(np.transpose(islands)[:, 1]).all()
+
+
+class SecondOrder(Snapping):
+    """A model whose threshold is 1 + 1e-3 h^2 in steps h."""
+
+    def __init__(self, device, h):
+        super().__init__(device, [1 + 1e-3 * h * h, 9.0])
+        self.h = h
+
+    def with_step(self, factor):
+        return SecondOrder(self.device, factor * self.h)
+
+
+@pytest.mark.parametrize("h", [0.3, 1.0, 3.0])
+def test_a_bar_holds_the_error_of_a_step_of_second_order(handout, h):
+    """By one other step; models differ in nothing else."""
+    device, rows = batch([handout]), to_rows(0, 100.0, [25.0, 100.0])
+    model = SecondOrder(device, h)
+    models = Survey(model, model, model, (model,), None, np.ones(1))
+    search = Bounded(models, rows, Run(), 1e-6)
+    changes = find_changes(search)
+    (bar, _), (ragged, _) = make_bars(search, changes)
+    error = changes.N_first[0] - 1
+    assert not ragged and error == pytest.approx(1e-3 * h * h, abs=2e-6)
+    assert error <= bar <= 2.5 * error + 1e-5
 
 
 def test_the_distance_to_another_level_is_bracketed():

@@ -1,5 +1,7 @@
 """A device read off its shots."""
 
+import math
+
 import flat
 import numpy as np
 import pytest
@@ -37,6 +39,12 @@ def made_up(draw, surface, truth, spread, size=30):
     apart = spread * draw.standard_normal(size)
     table = {"N": N, "duration": duration, "tripped": np.log(N) - logs > apart}
     return shots_from(table, HANDOUT_SHOCK, None)
+
+
+def test_the_reach_of_an_interval_holds_95_percent():
+    """Of Cauchy's distribution, of which the quantiles are tangents, and of the normal one."""
+    assert reach(1) == pytest.approx(math.tan(math.pi * 0.95 / 2))
+    assert math.erf(reach(10**9) / math.sqrt(2)) == pytest.approx(0.95)
 
 
 @pytest.mark.parametrize("middle", [0.4, 0.02, 0.98, 0.13, 0.87, 0.5 - 1 / 64])
