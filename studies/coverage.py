@@ -32,7 +32,7 @@ from .random_devices import (
 )
 from .tables import Table, write
 
-SEED, DEVICES, DEVICES_OF_ALL = 53, 45, 75
+SEED, DEVICES, DEVICES_OF_ALL = 53, 24, 24
 KEYS = "N_first", "N_error", "ragged"
 MODELS = {"auto": Auto(), "5 elements": Elements(), "5 cosines": Cosines(modes=5)}
 JUDGES = Cosines(modes=16), Elements(elements=20, modes=12)
