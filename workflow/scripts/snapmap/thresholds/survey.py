@@ -107,9 +107,10 @@ def _search_once(search):
     below, scanned = outermost(first.row, first.low, N_first.size)[1], changes.ragged[:, np.newaxis]
     clean_N, ragged_N = np.where([~scanned, scanned], np.column_stack([N_first, below]), np.nan)
     t_snap, t_below = np.fmax(decides(clean_N), of_ragged(ragged_N)).T
-    known = np.where(np.isneginf(t_below), np.nan, 1.0)  # a failed run may hide the threshold
-    N_first, N_error, N_always, t_snap = known * np.array([N_first, N_error, N_always, t_snap])
-    islands *= known[:, np.newaxis]
+    hidden, found = np.isneginf(t_below), [N_first, N_error, N_always, t_snap]
+    # A failed run below the first snap may hide the threshold.
+    N_first, N_error, N_always, t_snap = np.where(hidden, np.nan, found)
+    islands = np.where(hidden[:, np.newaxis], np.nan, islands)
     reason = np.where(changes.quiet, NOTHING_SNAPS, NOT_FOLLOWED)
     return Thresholds(
         status=np.where(np.isnan(N_first), reason, FOUND).astype(np.int8),
@@ -117,7 +118,7 @@ def _search_once(search):
         N_looked=changes.highest,
         N_first=N_first,
         N_error=N_error,
-        ragged=(ragged & (known == 1)).astype(np.int8),
+        ragged=(ragged & ~hidden).astype(np.int8),
         N_always=N_always,
         t_snap=t_snap,
         level=np.zeros(N_first.size, np.int8),

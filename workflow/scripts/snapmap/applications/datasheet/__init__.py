@@ -37,8 +37,15 @@ class Datasheet(Application):
 
         verdicts = read_verdicts(requirements_path)
         with open_whole(tolerance_path) if tolerance_path else nullcontext() as batches:
-            what = study.of_thresholds(), verdicts, study.source, shocks_of(study), batches
-            write_text(datasheet(*what, study.units.get("C", (study.unit_of_C, 1.0))), path)
+            sheet = datasheet(
+                study.of_thresholds(),
+                verdicts,
+                study.source,
+                requirements=shocks_of(study),
+                made=batches,
+                damper=study.units.get("C", (study.unit_of_C, 1.0)),
+            )
+            write_text(sheet, path)
 
 
 application = Datasheet()
