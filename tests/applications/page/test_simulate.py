@@ -12,7 +12,7 @@ from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import FIRST, SECOND, Run
-from snapmap.solver.simd_loop import midpoints
+from snapmap.solver.simd_loop import watch
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
 
@@ -72,10 +72,10 @@ def follow_both(tab, study, axes, start=FIRST):
         at = np.flatnonzero(members)
         dt[at] = part.time_steps(cells.take(at), settings)
         for some in np.split(at, range(LANES, at.size, LANES)):
-            steps = max(runs[i]["steps"] for i in some)
+            steps = np.array([runs[i]["steps"] for i in some])
             for kernel, group in zip(kernels, (cells, twin), strict=True):
-                parts = midpoints(part, group.take(some), dt[some], steps, start)
-                w = np.concatenate([w for _, w in parts])
+                parts = watch(part, group.take(some), dt[some], steps, start)
+                w = np.concatenate([w for _, (w, _) in parts])
                 for lane, i in enumerate(some):
                     kernel[i] = w[:, lane]
     return runs, dt, *kernels
