@@ -18,7 +18,13 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-OTHER = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult}
+OTHER = {
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Pow: ast.Mult,
+}
 OTHER |= {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq}
 OTHER |= {ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn}
 OTHER |= {ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And}
@@ -33,9 +39,12 @@ def mutants_of(node: ast.AST) -> list[ast.AST]:
     match node:
         case ast.BinOp(left=ast.Constant(value=str())) | ast.BinOp(op=ast.BitOr()):
             pass  # joined text, and types such as `float | None`
-        case ast.BinOp(op=op):
-            made = [node.left, node.right] if isinstance(op, ast.Add | ast.Sub | ast.BitAnd) else []
-            made += [ast.BinOp(node.left, OTHER[type(op)](), node.right)] * (type(op) in OTHER)
+        case ast.BinOp(op=op) if type(op) in OTHER:
+            made = [ast.BinOp(node.left, OTHER[type(op)](), node.right)]
+            if isinstance(op, ast.Add | ast.Sub):
+                made += [node.left, node.right]
+        case ast.BinOp(op=ast.BitAnd()):
+            made = [node.left, node.right]
         case ast.Compare(ops=[op]) if type(op) in OTHER:
             made = [ast.Compare(node.left, [OTHER[type(op)]()], node.comparators)]
         case ast.BoolOp():
@@ -85,9 +94,8 @@ def passes(clone: Path, room: str, limit: float | None = None) -> bool:
     variables = os.environ | {"PYTHONPATH": str(clone / "workflow" / "scripts")}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     try:
-        return not subprocess.run(
-            command, cwd=clone, env=variables, timeout=limit, **quiet
-        ).returncode
+        done = subprocess.run(command, cwd=clone, env=variables, timeout=limit, **quiet)
+        return done.returncode == 0
     except subprocess.TimeoutExpired:
         return False
 
