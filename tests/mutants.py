@@ -27,7 +27,7 @@ OTHER = {
 }
 OTHER |= {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq}
 OTHER |= {ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn}
-OTHER |= {ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And}
+OTHER |= {ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And, ast.Pow: ast.Mult}
 SIGNS = ast.USub, ast.Not, ast.Invert
 SLOWER = 10
 """Time after which a mutant counts as caught, over that of the tests without one."""
