@@ -86,9 +86,8 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     assert summary(launch) == "0 of 1 requirements met; failed: launch"
     last, words = worst(launch)
     assert last == max(launch, key=lambda verdict: verdict.margin)
-    assert (
-        f"launch, {last.shape} {last.direction}, 0.5 ms, C = 25, {last.temperature:g} degC" in words
-    )
+    place = f"{last.shape} {last.direction}, 0.5 ms"
+    assert f"launch, {place}, C = 25, {last.temperature:g} degC" in words
     ((front, *rest),) = corners(launch)
     assert front.N_first == last.N_first and len(rest) == 7
     assert {verdict.verdict for verdict in back} == {"met"} and worst(back) == (None, "")
