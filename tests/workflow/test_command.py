@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 import yaml
-from small_studies import MISSING, THREE_COSINES, TINY, changed
+from small_studies import MISSING, TINY, changed
 from small_workflow import snakemake
 
 import snapmap
@@ -64,24 +64,6 @@ def test_check_says_what_devices_as_made_cost(config):
     assert steps[0] > 0 and steps[1] == pytest.approx(steps[0])
     assert cost(6000, device__beam__damping=MISSING) < costs[-1]
     assert "tolerances" not in core_times(load_config(changed(document, tolerances=MISSING)))
-
-
-def test_check_counts_the_runs_of_a_solver_of_ones_own(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "laws.py").write_text("def solver(cell, step): return 1.0")
-    document = yaml.safe_load(THREE_COSINES) | {
-        "model": {"name": "reference", "laws": "laws.py"},
-        "sweep": {"N": [900, 1000, 1100], "f0": ["1 kHz", "2 kHz"], "C": ["25 kg/s"]},
-    }
-    document["sweep"] |= {"horizon": "0 us", "until": "snap"}
-    for repeat, runs in ((True, 12), (False, 6)):
-        document["sweep"]["repeat"] = repeat
-        (tmp_path / "config.yaml").write_text(yaml.safe_dump(document))
-        assert main(["check", "config.yaml"]) == 0
-        assert capsys.readouterr().out.splitlines()[-1] == (
-            f"runs of the solver: {runs} of cells, and about 50 for each of 2 thresholds, "
-            "more where they are ragged"
-        )
 
 
 def test_a_small_study_is_forecast_by_following_all_of_it(monkeypatch):

@@ -24,8 +24,6 @@ OTHERS = (
     " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
 )
 """What `snapmap run --help` ends with."""
-SEARCH = 50
-"""Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -91,25 +89,10 @@ def check(config: Path) -> None:
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     jobs = "a job" if len(plan.slabs) == 1 else f"{len(plan.slabs)} jobs"
     print(f"{prod(study.grid.shape)} cells ({sizes}) in {jobs} of one core")
-    laws = study.model.laws
-    if laws and laws.solver:
-        print(_runs(study))
-        return
     costs = forecast(study)
     costs["cells"] += START * (len(plan.slabs) - 1)
     parts = (f"{what} {spoken(START + seconds)}" for what, seconds in costs.items())
     print(f"core time, about: {', '.join(parts)}")
-
-
-def _runs(study):
-    """Count the runs of a user's own solver, whose core time is unknown."""
-    cells = prod(study.grid.shape)
-    rows = cells // study.grid.axes["N"].size
-    runs = cells * (1 + study.run.repeat)
-    return (
-        f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
-        "more where they are ragged"
-    )
 
 
 def run(config: Path, cores: str | None, others: Sequence[str] = ()) -> None:
