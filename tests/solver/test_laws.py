@@ -1,6 +1,7 @@
 """Laws of a user's own, the examples among them, against SciPy and closed forms."""
 
 import re
+import runpy
 from dataclasses import replace
 from functools import cache
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 from small_studies import THREE_COSINES
 
 import snapmap
@@ -34,7 +36,7 @@ from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.values.faults import Faults
 
 F0 = 1500.0
-SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um], horizon: 0 us}"
+SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um]}\nrun: {horizon: 0 us}"
 
 
 @pytest.fixture
@@ -363,3 +365,17 @@ def test_the_laws_on_the_page_are_those_of_the_examples(root, laws):
             assert names[law](*at.tolist()) == pytest.approx(ours(*at.tolist()), rel=1e-12)
         assert names.get("unit_of_C", "uN*us/um") == laws(name).unit_of_C
     assert len(written) == len([*(root / "examples" / "laws").glob("*.py")])
+
+
+def test_a_model_of_ones_own_is_asked_as_those_of_snapmap_are(root, handout):
+    """The mass on its spring is linear: it falls in proportion to N."""
+    path = root / "examples" / "own_model.py"
+    names = runpy.run_path(path)
+    model, rows = names["MassAlone"](handout), to_rows(0, [2000.0], [25.0])
+    run = Run(horizon=100.0, until="snap", repeat=False)
+    (N,) = lowest_snap(Probe(model, rows, run), (100.0, 4000.0), 1e-3)
+    t, C = np.linspace(0.0, 600.0, 6001), 25.0
+    shock = handout.gravity * np.where(t < 500.0, np.sin(np.pi * t / 500.0) ** 2, 0.0)
+    system = [-1.0], [1.0, C / handout.mass, handout.spring / handout.mass]
+    deepest = -lsim(system, shock, t)[1].min()
+    assert pytest.approx(names["DEPTH"] / deepest, rel=2e-3) == N
