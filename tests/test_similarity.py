@@ -82,7 +82,8 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
 
 RATIO = 9.81
 IN_G = f"""{THREE_COSINES}
-sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um], horizon: 100 us, until: snap}}
+sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um]}}
+run: {{horizon: 100 us, until: snap}}
 requirements:
   - {{name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}}
   - {{name: fall, drop: {{height: 3 mm, shape: half sine, duration: 0.05 ms}}, snaps: false}}
