@@ -106,7 +106,7 @@ def studies():
 def test_another_unit_of_N_changes_no_verdict_and_no_margin(studies):
     def judged(study):
         required, C = study.requests["requirements"], [25.0]
-        return [row for each in required for row, _ in each.check(study.of_thresholds(), C)]
+        return [row for each in required for row in each.check(study.of_thresholds(), C)]
 
     in_g, in_m_s2 = map(judged, studies)
     assert {row.verdict for row in in_g} >= {"met", "failed"}
