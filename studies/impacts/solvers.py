@@ -142,7 +142,7 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
         dt = problem.t_end / omega / (steps + 0.5)
         places = []
         for some in np.split(np.arange(e.size), range(R.LANES, e.size, R.LANES)):
-            lanes = begin(model, cells.take(some), dt[some], FIRST)
+            lanes, _ = begin(model, cells.take(some), dt[some], FIRST)
             shocks = np.zeros(BLOCK * R.LANES)
             for first in range(0, steps + 1, BLOCK):
                 lanes.state.steps[:] = first

@@ -49,12 +49,10 @@ class Contender(NamedTuple):
 
 def contenders() -> Iterator[Contender]:
     """Yield the contenders whose packages are installed, snapmap first."""
-    for factor in few(FACTORS, 2):
-        step = f"step x {factor:g}"
-        yield Contender(OURS, step, partial(by_kernel, factor=factor), width=LANES)
-    for factor in few(FACTORS, 2):
-        bare = partial(by_kernel, factor=factor, proofs=False)
-        yield Contender(NO_PROOFS, f"step x {factor:g}", bare, width=LANES)
+    for solver, proofs in ((OURS, True), (NO_PROOFS, False)):
+        for factor in few(FACTORS, 2):
+            make = partial(by_kernel, factor=factor, proofs=proofs)
+            yield Contender(solver, f"step x {factor:g}", make, width=LANES)
     for dt in few(STEPS):
         yield Contender(NUMBA, f"{dt:g} us", of_equations(by_numba, dt), width=LANES)
     if "heyoka" not in missing():

@@ -13,9 +13,6 @@ from .options import Chosen, Elements, Reference
 from .settings import Run
 from .simd_loop import in_lanes, watch
 
-STRETCH = 4
-"""Number of steps of which the length of a run is a multiple."""
-
 
 def motion_levels(device: Device, model: Chosen, settings: Run) -> tuple[Follows, ...]:
     """Build the levels of a model that decide cells; of `reference`, those of its elements."""
@@ -38,15 +35,13 @@ def largest_stress(device: Device, model: Chosen, cells: Cells, settings: Run) -
     return stress
 
 
-def follow_stress(
-    model: Model, cells: Cells, window: np.ndarray, settings: Run, stretch: int = STRETCH
-) -> np.ndarray:
+def follow_stress(model: Model, cells: Cells, window: np.ndarray, settings: Run) -> np.ndarray:
     """Follow cells for the largest tensile stress in the beam of each, MPa, (cells,).
 
-    window: time followed, us, (cells,), rounded up to a multiple of `stretch` steps
+    window: time followed, us, (cells,)
     """
     dt = model.time_steps(cells, settings.but(until="moved"))
-    steps = stretch * np.ceil(window / (stretch * dt)).astype(np.int64)
+    steps = np.ceil(window / dt).astype(np.int64)
     rows, stress = stress_rows(model)[cells.device], np.full(steps.size, -np.inf)
 
     def follow(these):

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +17,12 @@ from .kernel.pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse
 from .kernel.rows import LANES, Shape
 from .kernel.trace import keep_seen, leap
 from .lane_laws import lane_laws, raise_error
-from .settings import FIRST, SECOND, SHOWN, Run
+from .settings import FIRST, SECOND, Run
 
 SIDE = {FIRST: 1.0, SECOND: -1.0}
 """Factor of w, by which the midpoint of every run begins above its target."""
 WINDOW = 64 * BLOCK
 """Most steps whose records are in memory at once."""
-Kept = TypeVar("Kept")
 
 
 def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
@@ -45,7 +44,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
-        jumps=settings.until != SHOWN and may_jump(model, cells),
+        jumps=settings.until != "shown" and may_jump(model, cells),
         tolerance=settings.energy_tolerance,
         facts=facts,
     )
@@ -71,26 +70,24 @@ class Lanes(NamedTuple):
     pulses: Pulses
 
 
-def begin(model, cells: Cells, dt: np.ndarray, start: str) -> Lanes:
-    """Put up to LANES cells at rest into lanes, to follow without an end; dt: us, (cells,)."""
+def begin(model, cells: Cells, dt: np.ndarray, start: str) -> tuple[Lanes, np.ndarray]:
+    """Put up to LANES cells at rest into lanes, to follow without an end; dt: us, (cells,).
+
+    Returns them, and the modes p of `ModalBeam` over the kernel's, (LANES, modes).
+    """
     lanes = Lanes(*empty_lanes(model), no_pulse(), table(cells.pulses))
     rows = coefficients(model, -np.inf, start)
     for l in range(dt.size):
         device = rows[cells.device[l]]
         load(*lanes[:3], l, device, cells.damping[l], cells.amplitude[l], dt[l])
         begin_pulse(lanes.work, l, *lanes[3:], cells.pulse[l], cells.f0[l] * dt[l])
-    return lanes
-
-
-def stretches(model, lanes: Lanes) -> np.ndarray:
-    """Return the modes p of `ModalBeam` over the kernel's, of lanes just begun, (LANES, modes)."""
-    first = R.VECTORS + R.U * model.modes
-    return lanes.work.reshape(-1, LANES)[first : first + model.modes].T.copy()
+    stretches = lanes.work.reshape(-1, LANES)[R.VECTORS + R.U * model.modes :][: model.modes]
+    return lanes, stretches.T.copy()
 
 
 def in_windows(
-    model, lanes: Lanes, steps: np.ndarray, keep: Callable[[int], Kept], jumps: bool
-) -> Iterator[tuple[np.ndarray, Kept]]:
+    model, lanes: Lanes, steps: np.ndarray, keep: Callable[[int], np.ndarray], jumps: bool
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Follow lanes; yield the first step of each lane in each window, and what `keep` kept of it.
 
     steps: number of steps of each cell, after which its lane goes on beside longer ones, (cells,)
@@ -120,10 +117,10 @@ def watch(
     Yields the first step of each cell, and w(L/2) from rest, um, and the largest stress in the
     beam, MPa, (2, steps, cells). Windows leave out quiet time.
     """
-    lanes, rows = begin(model, cells, dt, start), np.empty((0, 1, model.modes + 2))
+    (lanes, stretches), rows = begin(model, cells, dt, start), np.empty((0, 1, model.modes + 2))
     if stress is not None:
         rows = stress.copy()
-        rows[:, :-1, : model.modes] *= stretches(model, lanes)[: dt.size, np.newaxis]
+        rows[:, :-1, : model.modes] *= stretches[: dt.size, np.newaxis]
         rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
 
     def keep(size):

@@ -13,7 +13,7 @@ from ...solver.ledger import CellRun
 from ...solver.models import Model
 from ...solver.plain_loop import follower, starting
 from ...solver.settings import FIRST
-from ...solver.simd_loop import begin, in_windows, may_jump, stretches
+from ...solver.simd_loop import begin, in_windows, may_jump
 
 
 class Motion(NamedTuple):
@@ -62,8 +62,7 @@ def record(
     steps = np.ceil(cells.t_end / dt).astype(np.int64)
     if model.name == "reference":
         return _by_plain_loop(model, cells, dt.item(), steps.item(), start)
-    modal, lanes = model.modal, begin(model, cells, dt, start)
-    shrink = stretches(model, lanes)[0]
+    modal, (lanes, (shrink, *_)) = model.modal, begin(model, cells, dt, start)
     form = Form(
         inertia=np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4),
         bending=np.diag(modal.stiffness),

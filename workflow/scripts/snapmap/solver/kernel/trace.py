@@ -53,8 +53,6 @@ def keep_seen(
 ) -> None:
     """Advance all lanes by blocks, and record what is seen half way through each step.
 
-    There energies are known, too.
-
     rows: what makes stress of coordinates and contact of a lane, for each of which it is wanted
     midpoints, stress: w(L/2) from rest, um, and the largest stress, MPa, (steps, LANES), modified
         in place
@@ -67,7 +65,8 @@ def keep_seen(
         for step in range(BLOCK):
             advance(work, shape, laws, shocks, step, 1)
             for l in range(LANES):
-                midpoints[first + step, l] = seen_midpoint(X, V, modes, l)
+                bent = half_step_midpoint(V, modes, l)
+                midpoints[first + step, l] = bent - X[R.RESIDUAL, l] * pressed(X, l)
             for l in range(len(rows)):
                 stress[first + step, l] = largest_stress(X, V, modes, l, rows[l])
         state.steps[:] += BLOCK
@@ -85,12 +84,6 @@ def leap(work: np.ndarray, shape: Shape, state: PulseState, pulses: Pulses) -> N
             swing = 2 * np.pi * np.sqrt(X[R.M, l] / X[R.K, l])
             if state.steps[l] - X[R.BEGIN, l] / X[R.X_STEP, l] > swing:
                 leave_out(work, shape, l, state, pulses)
-
-
-@inlined
-def seen_midpoint(X: Rows, V: Rows, modes: int, l: int) -> float:
-    """Return w(L/2) from rest of lane l half way through the step, um."""
-    return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
 
 
 @inlined
