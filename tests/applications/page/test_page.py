@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.image import imread
-from small_results import SETTINGS, make_cells, swept
+from small_results import SETTINGS, make_cells, make_verdict, swept
 
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, _opening, page
+from snapmap.applications.requirements.verdict import write_verdicts
 from snapmap.config.study import load_config
 from snapmap.figures.states import ABSENT, ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
@@ -22,12 +23,12 @@ ALWAYS, FIRST, _, CHOSEN, POINTS = range(1, 6)
 """Which curve of the map is which."""
 
 
-VERDICTS = """\
-requirement,device,shape,direction,C,temperature,must_snap,verdict,end,share_staying,margin
-crash,,half sine,+z,25,20,True,unclear,ends differ,0.4,0.5
-crash,,half sine,+z,50,20,True,met,stays,1,0.9
-"""
-"""A part of a table of verdicts, of which the page tells the worst."""
+CRASH = {"requirement": "crash", "must_snap": True, "margin": 0.5}
+VERDICTS = (
+    make_verdict(**CRASH, verdict="unclear", end="ends differ", share_staying=0.4),
+    make_verdict(**CRASH, C=50.0, end="stays", share_staying=1.0),
+)
+"""Of which the page tells the worst."""
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +70,7 @@ def page_text(cube, folder):
     for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
     files["requirements"] = folder / "requirements.csv"
-    files["requirements"].write_text(VERDICTS)
+    write_verdicts(VERDICTS, files["requirements"])
     points = folder / "shots.csv"
     points.write_text("name,N,f0 (Hz),snapped\na,1200,3000,yes\nb,900,1500,no\n")
     drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED, own_points=[str(points)])
@@ -263,7 +264,7 @@ def test_the_page_has_the_title_the_required_shocks_of_the_map_and_own_points(vi
         [text, pytest.approx(np.log10(x)), pytest.approx(np.log10(y))] for text, x, y in at
     ]
     legend = view.text("#classes")
-    told = "unclear: ends differ, 40 % of the runs stay, at worst (half sine +z, C = 25, 20 degC)"
+    told = "unclear: ends differ, 40 % of the runs stay, at worst (half sine +z, 1 ms, C = 25,"
     assert f"1: required shock crash, N = 1200, 3000 Hz; {told}" in legend
     assert "another" not in legend
     assert "2: required shock <i>drop</i>, N = 900, 90000 Hz (beyond the map)" in legend
@@ -371,7 +372,8 @@ def test_the_first_keys_skip_to_the_parts_of_the_page(show, page_text):
 
 
 COLOURS = """() => [...document.querySelectorAll("body *")].filter((element) =>
-    element.checkVisibility() && !element.closest("#history, figure svg, .scatterlayer, .annotation")
+    element.checkVisibility()
+    && !element.closest("#history, figure svg, .scatterlayer, .annotation")
     && [...element.childNodes].some(({ nodeType, data }) => nodeType === 3 && data.trim())
 ).map((element) => {
     const { color, fill } = getComputedStyle(element);
