@@ -351,8 +351,9 @@ def _time_codes(cells):
     """Give the codes of the view of times: those of snaps, plus the place on RAMP, -0.5 to 0.5."""
     first, last = _snap_times(cells)
     norm = (LogNorm if last > states.WIDE * first else Normalize)(first, last)
-    codes = states.snap_states(cells)
-    return codes + xr.where(codes == 1, 0.98 * (norm(cells.t_snap.values) - 0.5), 0)
+    codes, places = states.snap_states(cells), norm(cells.t_snap.values.ravel())
+    shade = 0.98 * (places.reshape(codes.shape) - 0.5)
+    return codes + xr.where(codes == 1, shade, 0)
 
 
 def _opening(cells, y):
