@@ -18,7 +18,6 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ...config.devices import read_device
 from ...config.points import Point
-from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...device.device import STOPS, VALUES
 from ...figures import captions, plane, scales, states
@@ -27,6 +26,7 @@ from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
+from ...study.provenance import config_of
 from ...study.study import Study
 from ...sweeps.cube import thin
 from ...values.units import is_plain, spelling
