@@ -8,6 +8,7 @@ from ..values.records import assemble, record
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
 does it stay, how does it move."""
+SHOWN = "shown"
 QUESTION = dict(settled=STAY, snap=SNAP, edge=EDGE, pulse=SNAP, moved=MOVE, shown=MOVE)
 """The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" is
 "snap" in the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, "moved"

@@ -17,7 +17,7 @@ from .kernel.pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse
 from .kernel.rows import LANES, Shape
 from .kernel.trace import keep_seen, leap
 from .lane_laws import lane_laws, raise_error
-from .settings import FIRST, Run
+from .settings import FIRST, SHOWN, Run
 
 WINDOW = 64 * BLOCK
 """Most steps whose records are in memory at once."""
@@ -42,7 +42,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge", "pulse"),
         stop_after_pulse=settings.until == "pulse",
-        jumps=settings.until != "shown" and may_jump(model, cells),
+        jumps=settings.until != SHOWN and may_jump(model, cells),
         tolerance=settings.energy_tolerance,
         facts=facts,
     )

@@ -21,7 +21,7 @@ from ...solver.kernel.tables import look_up
 from ...solver.models import Model
 from ...solver.options import section_of
 from ...solver.outcome import label
-from ...solver.settings import FIRST, Run
+from ...solver.settings import FIRST, SHOWN, Run
 from ...study.arguments import SingleStudy
 from ...study.provenance import device_sections
 from ...study.study import Study
@@ -89,8 +89,8 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
-    device, settings = study.device, study.run.but(until="shown")
-    built, cells, observed = _cell(study, N, f0, C, "shown")
+    device, settings = study.device, study.run.but(until=SHOWN)
+    built, cells, observed = _cell(study, N, f0, C, SHOWN)
     outcome = label(observed, settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     warn_of_travel(free_travel(device, *extremes[:2]))
