@@ -34,7 +34,7 @@ def sum_up(study: Config, requirements: Sequence[Required], verdicts: Sequence[V
     wrong, words = worst(verdicts)
     breaks = dict.fromkeys(verdict.requirement for verdict in verdicts if verdict.breaks)
     broken = f"the beam breaks in {', '.join(breaks)}" if breaks else ""
-    lines = [summary(verdicts), broken, restless(verdicts), words]
+    lines = [summary(verdicts), of_batch(verdicts), broken, restless(verdicts), words]
     if wrong:
         lines.append(hint(study, requirements, verdicts, wrong))
     far = [verdict for verdict in verdicts if verdict.travel_over_rise > FARTHEST]
@@ -50,11 +50,25 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     kinds = dict.fromkeys((verdict.requirement for verdict in verdicts), MET)
     for kind in (UNCLEAR, VIOLATED):
         kinds |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
-    parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met"]
+    shares, asked = (
+        np.isfinite([getattr(verdict, key) for verdict in verdicts]).any()
+        for key in ("share", "share_asked")
+    )
+    nominal = " by the nominal device" if shares and not asked else ""
+    parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met{nominal}"]
     for kind in (VIOLATED, UNCLEAR):
         if names := ", ".join(name for name in kinds if kinds[name] == kind):
             parts.append(f"{kind}: {names}")
     return "; ".join(parts)
+
+
+def of_batch(verdicts: Sequence[Verdict]) -> str:
+    """Write which share of the devices as made meets each requirement, at the worst C."""
+    known = [verdict for verdict in verdicts if np.isfinite(verdict.share)]
+    least: dict[str, str] = {}
+    for verdict in sorted(known, key=lambda verdict: verdict.share):
+        least.setdefault(verdict.requirement, f"{verdict.share_text} meet {verdict.requirement}")
+    return f"of the devices as made {', '.join(least.values())}" if least else ""
 
 
 def restless(verdicts: Sequence[Verdict]) -> str:

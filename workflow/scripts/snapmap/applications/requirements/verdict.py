@@ -9,6 +9,7 @@ import numpy as np
 
 from ...files.atomic import replacing
 from ...files.text import plain
+from ...numerics.statistics import percents
 from ...solver.settings import FIRST, SECOND
 from ...study.shock import Shock
 from ...study.study import ANY, SNAPS, Study
@@ -42,6 +43,9 @@ class Verdict:
     strength_margin: strength over the largest stress; of a Weibull distribution the strength at
         which 63 % break
     break_probability: probability that it breaks; 0 or 1 if the strength is a number
+    share, share_low, share_high: share of devices as made that meet the requirement at this C, and
+        its bounds; share_asked: least share, which then decides the verdict
+    devices: number of devices as made that would decide it, if it is UNCLEAR for their share
     more: what a requirement of another kind adds, by name
     """
 
@@ -75,6 +79,11 @@ class Verdict:
     must_survive: float = np.nan
     strength_margin: float = np.nan
     break_probability: float = np.nan
+    share: float = np.nan
+    share_low: float = np.nan
+    share_high: float = np.nan
+    share_asked: float = np.nan
+    devices: float = np.nan
     more: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -116,6 +125,16 @@ class Verdict:
         """Device, shock, C and temperature in words."""
         where = f"{self.shock}, C = {plain(self.C)}, {plain(self.temperature)} degC"
         return ", ".join(filter(None, [self.device, where]))
+
+    @property
+    def share_text(self) -> str:
+        """The share of devices as made that meet it, in words; "" if it is not known."""
+        if np.isnan(self.share):
+            return ""
+        words = f"{percents(self.share)} ({percents(self.share_low, self.share_high)})"
+        if np.isfinite(self.devices):
+            words += f", {self.devices:.0f} devices would decide"
+        return words
 
     @property
     def end_text(self) -> str:
