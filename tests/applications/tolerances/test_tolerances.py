@@ -256,10 +256,12 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     ax = drawn(figure.draw_probability, scattered)
     (field,) = ax.collections
     np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
-    *quantiles, nominal = (line.get_ydata() for line in ax.lines)
+    *quantiles, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
     expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
     np.testing.assert_array_equal(quantiles, expected)
     np.testing.assert_array_equal(nominal, scattered.N_nominal)
+    np.testing.assert_array_equal(no_fire, scattered.N_no_fire)
+    assert np.isnan(all_fire).all() and "all-fire takes 2995 devices" in ax.get_title(loc="left")
     curve, *_ = drawn(figure.draw_probability, scattered.isel(f0=[1])).lines
     np.testing.assert_array_equal(curve.get_ydata(), scattered.probability.isel(f0=1))
     # Bounds of shares end at 1.

@@ -1,6 +1,5 @@
 """Parts of a data sheet: required shocks, devices as made, and what the model leaves out."""
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from math import pi
 
@@ -12,9 +11,9 @@ from ...files.text import DASH, plain, table
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...pulse.shocks import Shocks
-from ...study.axes import PULSE_AXES
+from ...study.axes import DIRECTION, SHAPE
 from ..histories.history import FARTHEST
-from ..requirements.shares import fire_text
+from ..requirements.shares import missing_fire
 from ..requirements.summary import LEVELS
 from ..requirements.verdict import Verdict, must_text
 
@@ -38,77 +37,56 @@ def required_shocks(device: Device, verdicts: Sequence[Verdict], of_C: str) -> l
     head = ["requirement", "verdict", "devices as made that meet it", "shock", "at, degC", of_C]
     head += ["required", "threshold", "threshold over required", "the beam"]
     head += ["strength over stress", "breaks"]
-    groups: dict[str, list[Verdict]] = {}
-    for verdict in verdicts:
-        groups.setdefault(verdict.requirement, []).append(verdict)
     rows = []
-    for worst, *others in groups.values():
-        rows.append(_cells(worst))
+    for name in dict.fromkeys(verdict.requirement for verdict in verdicts):
+        worst, *others = (verdict for verdict in verdicts if verdict.requirement == name)
+        rows.append([must_text(name, worst.must_snap), *_cells([worst])])
         if others:
-            rows.append(_folded(others))
+            rows.append([f"its other corners, {len(others)}", *_cells(others)])
     of_N = f"{plain(device.gravity * 1e6)} m/s^2"
     of_N = f"{device.force:g} uN on the midpoint" if device.force else of_N
     words = f"Required shocks, each by its worst corner; amplitudes are multiples of {of_N}.\n"
     return [words, ERRORS, table(head, rows), PICTURE]
 
 
-def _cells(verdict):
-    """Cells of one verdict."""
-    level, threshold, margin = LEVELS.get(verdict.shape, ""), "nothing snaps", DASH
-    required = plain(verdict.N, 5) + level
-    if np.isfinite(verdict.scale):
-        required += f" ({plain(verdict.scale)} of the record)"
-    if np.isfinite(verdict.N_first):
-        threshold = f"{verdict.N_first:.5g} ± {plain(verdict.N_error, 2)}"
-        threshold += level
-        if np.isfinite(verdict.scale_first):
-            threshold += f" ({plain(verdict.scale_first)} of the record)"
-        margin = f"{plain(verdict.margin)} ± {plain(verdict.margin_error, 1)}"
-    is_nominal = np.isfinite(verdict.share) and np.isnan(verdict.share_asked)
-    nominal = " by the nominal device" if is_nominal else ""
-    asked = f"; asked: {percents(verdict.share_asked)}" if np.isfinite(verdict.share_asked) else ""
+def _cells(verdicts):
+    """Cells of one corner, or of several: their words, and the ranges of their numbers."""
+    first = verdicts[0]
+    level = LEVELS.get(first.shape, "")
+
+    def span(key, digits=4, error=""):
+        known = [getattr(verdict, key) for verdict in verdicts]
+        words = _span(known, digits)
+        if error and len(verdicts) == 1 and np.isfinite(known[0]):
+            words += f" ± {plain(getattr(first, error), 2)}"
+        return words
+
+    def amplitude(key, scale, error=""):
+        record = f" ({span(scale)} of the record)" if np.isfinite(getattr(first, scale)) else ""
+        return span(key, 5, error) + level + record
+
+    def joined(words):
+        return "; ".join(dict.fromkeys(words))
+
+    threshold, never = [], np.isnan([verdict.N_first for verdict in verdicts])
+    if not never.all():
+        threshold.append(amplitude("N_first", "scale_first", "N_error"))
+    if never.any():
+        threshold.append("nothing snaps")
+    words = [verdict.verdict_text for verdict in verdicts]
+    is_outside = any(verdict.travel_over_rise > FARTHEST for verdict in verdicts)
     return [
-        must_text(verdict.requirement, verdict.must_snap),
-        verdict.verdict + nominal + (f"; {OUTSIDE}" if verdict.travel_over_rise > FARTHEST else ""),
-        verdict.share_text + asked or DASH,
-        verdict.shock,
-        plain(verdict.temperature),
-        f"{verdict.C:g}",
-        required,
-        threshold,
-        margin,
-        verdict.end_text,
-        _span([verdict.strength_margin], 3),
-        _span([verdict.break_probability] if np.isfinite(verdict.strength_margin) else [], 3),
-    ]
-
-
-def _folded(verdicts):
-    """Cells of the other corners of a requirement: counts of words, and ranges of numbers."""
-
-    def span(key, digits=4):
-        return _span([getattr(verdict, key) for verdict in verdicts], digits)
-
-    counts = Counter(verdict.verdict for verdict in verdicts)
-    words = [f"{count} {word}" for word, count in counts.items()]
-    far = sum(verdict.travel_over_rise > FARTHEST for verdict in verdicts)
-    words += [f"{far} {OUTSIDE}"] if far else []
-    nothing = ", or nothing snaps" if np.isnan([v.N_first for v in verdicts]).any() else ""
-    shares = [verdict.share for verdict in verdicts]
-    strong = [v.break_probability for v in verdicts if np.isfinite(v.strength_margin)]
-    return [
-        f"its {len(verdicts)} other corners" if len(verdicts) > 1 else "its other corner",
-        ", ".join(words),
-        percents(np.nanmin(shares), np.nanmax(shares)) if np.isfinite(shares).any() else DASH,
-        "; ".join(dict.fromkeys(verdict.shock for verdict in verdicts)),
+        joined(words + [OUTSIDE] * is_outside),
+        joined(verdict.share_text or DASH for verdict in verdicts),
+        joined(verdict.shock for verdict in verdicts),
         span("temperature"),
         span("C"),
-        span("N", 5),
-        span("N_first", 5) + nothing,
-        span("margin"),
-        "; ".join(dict.fromkeys(verdict.end for verdict in verdicts)),
+        amplitude("N", "scale"),
+        " or ".join(threshold),
+        span("margin", 4, "margin_error"),
+        joined(verdict.end_text for verdict in verdicts),
         span("strength_margin", 3),
-        _span(strong, 3),
+        span("break_probability", 3) if np.isfinite(first.strength_margin) else DASH,
     ]
 
 
@@ -121,60 +99,41 @@ def _span(values: Iterable[float], digits: int) -> str:
 
 
 def of_batch(made: xr.Dataset, shocks: Shocks, of_C: str) -> list[str]:
-    """Write tables of the yield, of what breaks, and of no-fire and all-fire.
+    """Write tables of no-fire and all-fire, and of the yield.
 
     made: dataset of one device, as of `tolerances_of`; shocks: of the study
     """
-    size, share = made.sizes["sample"], made.N_all_fire.attrs["share"]
-    sure = plain(100 * made.N_all_fire.attrs["confidence"])
-    head = [
-        "pulse",
-        "duration, ms",
-        of_C,
-        f"no-fire: at most {percents(1 - share)} snap",
-        "half snap",
+    size, fire = made.sizes["sample"], made.N_all_fire
+    share, sure = fire.share, plain(100 * fire.confidence)
+    head = ["pulse", "duration, ms", of_C, f"no-fire: at most {percents(1 - share)} snap"]
+    head.append(f"all-fire: at least {percents(share)} snap")
+    ends = "N_no_fire", "N_all_fire"
+    levels = made[[*ends, "ragged"]].to_dataframe().reset_index()
+    kept = levels.iloc[evenly(len(levels), LEVELS_SHOWN)]
+    names = {SHAPE: shocks.pulse.name, DIRECTION: shocks.direction}
+    unknown = missing_fire(fire, size) or "some devices never snap"
+    rows = [
+        [
+            f"{level[SHAPE]} {level[DIRECTION]}" + (", ragged" if level["ragged"] else ""),
+            plain(1e3 / level["f0"]),
+            f"{level['C']:g}",
+            *(
+                plain(N) if np.isfinite(N) else unknown
+                for N in (level["N_no_fire"], level["N_all_fire"])
+            ),
+        ]
+        for level in (names | row for row in kept.to_dict("records"))
     ]
-    head += [f"all-fire: at least {percents(share)} snap"]
-    places = list(np.ndindex(made.N_all_fire.shape))
-    kept = [places[i] for i in evenly(len(places), LEVELS_SHOWN)]
-    few = f" ({len(kept)} of {len(places)})" if len(kept) < len(places) else ""
-    pulse = f"{shocks.pulse.name} {shocks.direction}"
-    dims = made.N_all_fire.dims
-    rows = [_levels(made, dict(zip(dims, place, strict=True)), pulse) for place in kept]
-    words = f"Levels of {size} devices as made that snap, at {sure} % confidence{few}:\n"
+    words = (
+        f"{size} devices as made, at {sure} % confidence ({len(kept)} of {len(levels)} pulses):\n"
+    )
     tables = [words, table(head, rows)]
     if "yield" in made:
-        words = f"Share of {size} devices as made, with bounds at 95 % each:\n"
-        tables += [words, table(["share", of_C, "value", "bounds"], _shares(made))]
+        shares = zip(made.C.values, made["yield"].values, made.yield_bound.values.T, strict=True)
+        rows = [[f"{C:g}", percents(one), percents(*bounds)] for C, one, bounds in shares]
+        words = f"Share of {size} devices as made that meet all{scope(made['yield'])}:\n"
+        tables += [words, table([of_C, "share", "bounds at 95 % each"], rows)]
     return tables
-
-
-def _levels(made, place, pulse):
-    """Cells of the levels at a place; pulse: of the study, unless the place has its own."""
-    here = made[["N_no_fire", "N_all_fire", "N_quantile", "ragged"]].isel(place)
-    size = made.sizes["sample"]
-    named = [str(here[key].item()) for key in PULSE_AXES if key in here.coords]
-    half = here.N_quantile.sel(quantile=0.5).item()
-    ragged = ", ragged: not at each N above" if here.ragged else ""
-    return [
-        " ".join(named) or pulse,
-        plain(1e3 / here.f0.item()),
-        f"{here.C.item():g}",
-        fire_text(here.N_no_fire, size),
-        plain(half) if np.isfinite(half) else "fewer snap",
-        fire_text(here.N_all_fire, size) + ragged,
-    ]
-
-
-def _shares(made):
-    """Rows of the shares of devices as made that meet all, and that break, at each C."""
-    words = {"yield": f"meet all{scope(made['yield'])}", "share_breaking": "break under"}
-    for key in filter(made.data_vars.__contains__, words):
-        for place in np.ndindex(made[key].shape):
-            at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))
-            under = [at.requirement.item()] if "requirement" in at.coords else []
-            bounds = percents(*at[f"{key}_bound"].values)
-            yield [" ".join([words[key], *under]), f"{at.C.item():g}", percents(at[key]), bounds]
 
 
 def left_out(device: Device) -> list[str]:

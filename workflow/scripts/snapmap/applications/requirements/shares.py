@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ...files.text import plain
 from ...numerics.statistics import devices_to_decide
 from ...study.shock import Shock
 from .verdict import MET, UNCLEAR, VIOLATED, Verdict
@@ -19,19 +18,17 @@ def with_shares(
 
     shocks: those of the requirements; made: dataset of `tolerances_of` for them
     """
-    by_name = {shock.name: shock for shock in shocks}
-    return [
-        _with_share(verdict, by_name[verdict.requirement], made)
-        if verdict.requirement in by_name
-        else verdict
-        for verdict in verdicts
-    ]
+    found, by_name = [], {shock.name: shock for shock in shocks}
+    for verdict in verdicts:
+        if shock := by_name.get(verdict.requirement):
+            verdict = _with_share(verdict, shock, made)
+        found.append(verdict)
+    return found
 
 
 def _with_share(verdict, shock, made):
     at = {"requirement": shock.name, "C": verdict.C}
-    if verdict.device:
-        at["device"] = verdict.device
+    at |= {"device": verdict.device} if verdict.device else {}
     here = made[["share_meeting", "share_meeting_bound"]].sel(at)
     share, (low, high) = here.share_meeting.item(), here.share_meeting_bound.values.tolist()
     found = replace(verdict, share=share, share_low=low, share_high=high)
@@ -42,14 +39,7 @@ def _with_share(verdict, shock, made):
     return replace(found, share_asked=shock.share, verdict=word, devices=needed)
 
 
-def fewest(level: xr.DataArray) -> float:
-    """Give the number of devices as made that a level of all-fire or no-fire takes."""
-    return devices_to_decide(1.0, level.attrs["share"], level.attrs["confidence"])
-
-
-def fire_text(level: xr.DataArray, samples: int) -> str:
-    """Write a level of all-fire or no-fire, or why it is not known."""
-    if np.isfinite(level):
-        return plain(level.item())
-    needed = fewest(level)
-    return f"takes {needed} devices" if samples < needed else "some devices never snap"
+def missing_fire(level: xr.DataArray, samples: int) -> str:
+    """Write how many devices a level of all-fire or no-fire takes; "" if these are enough."""
+    needed = devices_to_decide(1.0, level.share, level.confidence)
+    return f"takes {needed} devices" if samples < needed else ""

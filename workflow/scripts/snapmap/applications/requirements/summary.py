@@ -11,16 +11,7 @@ from ..application import Config
 from ..design.design import remedy, with_value
 from ..histories.history import FARTHEST, warn_of_travel
 from .required import Required, RequiredShock
-from .verdict import (
-    DIFFERS,
-    MET,
-    OPEN,
-    RETURNS,
-    UNCLEAR,
-    VIOLATED,
-    Verdict,
-    at_corner,
-)
+from .verdict import MET, UNCLEAR, VIOLATED, Verdict, at_corner
 
 LEVELS = {"random": " g rms", "spectrum": " times it"}
 """Units of the thresholds of vibration and of spectra, by the shape of a verdict."""
@@ -50,12 +41,7 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     kinds = dict.fromkeys((verdict.requirement for verdict in verdicts), MET)
     for kind in (UNCLEAR, VIOLATED):
         kinds |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
-    shares, asked = (
-        np.isfinite([getattr(verdict, key) for verdict in verdicts]).any()
-        for key in ("share", "share_asked")
-    )
-    nominal = " by the nominal device" if shares and not asked else ""
-    parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met{nominal}"]
+    parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met"]
     for kind in (VIOLATED, UNCLEAR):
         if names := ", ".join(name for name in kinds if kinds[name] == kind):
             parts.append(f"{kind}: {names}")
@@ -67,13 +53,13 @@ def of_batch(verdicts: Sequence[Verdict]) -> str:
     known = [verdict for verdict in verdicts if np.isfinite(verdict.share)]
     least: dict[str, str] = {}
     for verdict in sorted(known, key=lambda verdict: verdict.share):
-        least.setdefault(verdict.requirement, f"{verdict.share_text} meet {verdict.requirement}")
-    return f"of the devices as made {', '.join(least.values())}" if least else ""
+        least.setdefault(verdict.requirement, f"{verdict.requirement} {verdict.share_text}")
+    return f"share of the devices as made that meet {', '.join(least.values())}" if least else ""
 
 
 def restless(verdicts: Sequence[Verdict]) -> str:
     """Write which shocks must make the beam stay, but do not surely; the worst corner of each."""
-    wrong = [v for v in verdicts if v.must_snap is True and v.end in (RETURNS, DIFFERS, OPEN)]
+    wrong = [v for v in verdicts if v.must_snap is True and v.share_staying < 1]
     lines: dict[str, str] = {}
     for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
         where = f"{verdict.requirement}, {verdict.corner}, N = {plain(verdict.N)}"

@@ -17,8 +17,9 @@ from ...files.text import plain
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
-from ..requirements.figure import WRONG, required_text
-from ..requirements.shares import fewest
+from ..requirements.figure import WRONG
+from ..requirements.shares import missing_fire
+from ..requirements.verdict import must_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Dashes of the lines at which these shares of devices snap."""
@@ -92,8 +93,8 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    few = data.bistable.size < (needed := fewest(data.N_all_fire))
-    words = f"no-fire and all-fire take {needed} devices" if few else ""
+    few = missing_fire(data.N_all_fire, data.bistable.size)
+    words = f"all-fire {few}" if few else ""
     ax.set_title(", ".join(filter(None, [scales.place_text(data), words])))
     style.note_missing(ax, data.probability, "no share of devices is known")
     f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
@@ -191,7 +192,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
-    ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
+    ax.set_title(f"{must_text(captions.literal(data.requirement.item()), must)}\n{words}")
     label = f"threshold $N$ ({captions.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)
