@@ -31,8 +31,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict]) -> Axes:
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
     The factor is the threshold over the required N, or the inverse where the shock must trip: above
-    1 the threshold is where it should be. Where values scatter the label has the share of devices
-    as made that meet the requirement.
+    1 the threshold is where it should be. The label has the share of devices as made that meet it.
     """
     groups = sorted(corners(verdicts), key=lambda group: group[0].badness, reverse=True)
     known = [factor for factor in map(_factor, verdicts) if factor == factor]

@@ -91,8 +91,7 @@ class ShockSection(PulseSection):
     survives: Survives = SURVIVES
     """least probability that the beam does not break; true is 99.9 %, false is 0"""
     share: Share | None = None
-    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %; by
-    default the nominal device must"""
+    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %"""
     confidence: Share = CONFIDENCE
     """confidence that the share must be known with"""
     f0: Frequency | None = None
