@@ -1,6 +1,5 @@
 """Verdicts of a batch: shares of devices as made, all-fire and no-fire, against known ones."""
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,22 +9,31 @@ from small_results import make_verdict
 from small_studies import THREE_COSINES
 from varied import varied
 
+import snapmap
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.shares import missing_fire, with_shares
 from snapmap.applications.requirements.summary import of_batch, summary
 from snapmap.applications.requirements.verdict import read_verdicts
+from snapmap.applications.tolerances import application as tolerances
 from snapmap.config.study import load_config
+from snapmap.numerics.statistics import share_bounds
 from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
+from snapmap.study.study import Study
+from snapmap.thresholds.population import thresholds_at
 from snapmap.values.faults import Faults
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+F0, C = [1500.0], [25.0]
+
+
+def cheap(device):
+    """A study by three cosines, to 300 us after a shock."""
+    return Study(device, model={"name": "cosines", "modes": 3}, run=Run(horizon=300.0))
 
 
 def made_of(count, samples, confidence=0.95, C=25.0):
     """What a batch tells of one requirement, of whose devices so many meet it."""
-    from snapmap.numerics.statistics import share_bounds
-
     bounds = np.array(share_bounds(count, samples, confidence))[:, np.newaxis, np.newaxis]
     data = {
         "share_meeting": (("requirement", "C"), [[count / samples]]),
@@ -71,8 +79,8 @@ def thickness_at(handout, N, low, high):
     """The thickness whose threshold is N, by bisection, as the threshold rises with it."""
     while high - low > 1e-4:
         middle = (low + high) / 2
-        device = varied(handout, thickness=middle)
-        first = flat.threshold(device, [1500.0], [25.0], tolerance=1e-6, **CHEAP).N_first.item()
+        study = cheap(varied(handout, thickness=middle))
+        first = snapmap.threshold(study, F0, C, tolerance=1e-5).N_first.item()
         low, high = (middle, high) if first <= N else (low, middle)
     return low
 
@@ -89,8 +97,8 @@ def test_bounds_hold_the_share_of_a_batch_that_is_known(handout):
     ]
     held = []
     for seed in range(10):
-        how = {"samples": 64, "seed": seed, "requirements": needs} | CHEAP
-        made = flat.tolerance(handout, {"thickness": {"uniform": width}}, [1500.0], [25.0], **how)
+        how = {"samples": 64, "seed": seed, "requirements": needs}
+        made = snapmap.tolerance(cheap(handout), {"thickness": {"uniform": width}}, F0, C, **how)
         trips, rests = made.share_meeting_bound.squeeze("C").transpose("requirement", ...).values
         held += [trips[0] <= share, share <= trips[1], rests[0] <= 1 - share <= rests[1]]
         estimate = made.share_meeting.sel(requirement="trips").item()
@@ -106,20 +114,16 @@ def test_bounds_hold_the_share_of_ten_thousand_independent_devices(handout):
     thickness = 2.0 + 0.05 * random.standard_normal(size)
     modulus = handout.beam.youngs_modulus * (1 + 0.03 * random.standard_normal(size))
     factor = 1 + 0.02 * random.standard_normal(size)
-    from snapmap.study.study import Study
-    from snapmap.thresholds.population import thresholds_at
-
-    study = Study(handout, model={"name": "cosines", "modes": 3}, run={"horizon": 300.0})
     values = {"thickness": thickness, "youngs_modulus": modulus}
-    first = thresholds_at(study, values, 1500.0, 25.0)[0] / factor
+    first = thresholds_at(cheap(handout), values, *F0, *C)[0] / factor
     needs = [
         {"name": name, "N": N, "f0": 1500.0, "snaps": snaps}
         for name, N, snaps in (("most", 1100.0, "arrives"), ("few", 850.0, False))
     ]
     held = []
     for seed in range(20):
-        how = {"samples": 250, "seed": seed, "requirements": needs} | CHEAP
-        made = flat.tolerance(handout, scatters, [1500.0], [25.0], **how).squeeze()
+        how = {"samples": 250, "seed": seed, "requirements": needs}
+        made = snapmap.tolerance(cheap(handout), scatters, F0, C, **how).squeeze()
         for name, share in (("most", (first <= 1100).mean()), ("few", (first > 850).mean())):
             low, high = made.share_meeting_bound.sel(requirement=name).values
             held += [low <= share, share <= high]
@@ -130,10 +134,10 @@ def test_no_fire_and_all_fire_are_order_statistics_or_say_how_many_devices_they_
     """90 % at 90 % takes 22 devices: the lowest and the highest of them."""
     need = {"name": "a", "N": 1e3, "f0": 1500.0, "snaps": "arrives", "share": 0.9}
     need["confidence"] = 0.9
-    scatter, rows = {"thickness": "3 %"}, ([1500.0], [25.0])
+    scatter = {"thickness": "3 %"}
     for samples in (22, 21):
-        how = {"samples": samples, "requirements": [need]} | CHEAP
-        made = flat.tolerance(handout, scatter, *rows, **how).squeeze()
+        how = {"samples": samples, "requirements": [need]}
+        made = snapmap.tolerance(cheap(handout), scatter, F0, C, **how).squeeze()
         ends = made.N_no_fire, made.N_all_fire
         if samples == 22:
             first = made.N_first.values
@@ -146,14 +150,14 @@ def test_no_fire_and_all_fire_are_order_statistics_or_say_how_many_devices_they_
 
 def test_all_fire_holds_for_other_devices_of_its_batch(handout):
     """Of batches of 59 devices at least 95 % bound the level that 95 % of devices reach."""
-    scatter, rows = {"thickness": "3 %"}, ([1500.0], [25.0])
+    scatter = {"thickness": "3 %"}
     need = {"name": "a", "N": 1e3, "f0": 1500.0, "snaps": "arrives", "share": 0.95}
-    many = flat.tolerance(handout, scatter, *rows, samples=2048, **CHEAP).N_first.squeeze()
+    many = snapmap.tolerance(cheap(handout), scatter, F0, C, samples=2048).N_first.squeeze()
     low, high = np.quantile(many, [0.05, 0.95])
     held = []
     for seed in range(2, 22):
-        how = {"samples": 59, "seed": seed, "requirements": [need]} | CHEAP
-        made = flat.tolerance(handout, scatter, *rows, **how).squeeze()
+        how = {"samples": 59, "seed": seed, "requirements": [need]}
+        made = snapmap.tolerance(cheap(handout), scatter, F0, C, **how).squeeze()
         held += [made.N_all_fire.item() >= high, made.N_no_fire.item() <= low]
     assert np.sum(held) >= stats.binom.ppf(0.05, len(held), 0.95)
 
@@ -181,8 +185,6 @@ def test_a_share_needs_a_batch_and_no_closing():
 
 
 def test_the_table_and_the_last_line_have_the_share(tmp_path, capsys):
-    from snapmap.applications.tolerances import application as tolerances
-
     study = load_config(document() | {"tolerances": {"thickness": "3 %", "samples": 32}})
     made, path = tmp_path / "tolerance.nc", tmp_path / "requirements.csv"
     tolerances.run(study, made)
