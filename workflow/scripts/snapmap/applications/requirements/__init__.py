@@ -1,4 +1,4 @@
-"""Shocks that must or must not trip a device.  Imports: histories, design."""
+"""Shocks that must or must not trip a device.  Imports: histories."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class Requirements(Application):
             with open_whole(tolerance_path) as made:
                 verdicts = with_shares(verdicts, shocks_of(study), made)
         write_verdicts(verdicts, path)
-        print(f"{path}: {sum_up(study, requirements, verdicts)}")
+        print(f"{path}: {sum_up(verdicts)}")
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""
