@@ -15,8 +15,8 @@ for what, stems in STUDIES.items():
         # A study takes all cores, as another job at the same time would spoil its times.
         threads: 1000
         params:
-            code=studied,
-            device=json.dumps(device_sections(nominal(study.device))),
+            code=provenance.code_hash(*provenance.NUMBERS, clone / "studies"),
+            device=json.dumps(provenance.device_sections(nominal(study.device))),
             python=sys.executable,
             path=os.pathsep.join([str(clone), str(scripts)]),
         message:
