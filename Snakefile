@@ -18,11 +18,11 @@ sys.dont_write_bytecode = True
 clone = Path(workflow.current_basedir.get_path_or_uri(secret_free=True))
 scripts = clone / "workflow" / "scripts"
 sys.path.insert(0, str(scripts))  # before what PYTHONPATH names
-# Jobs inherit these, and import no module from the folder of the study or from another clone.
+# Jobs inherit these: they import no module from the folder of the study or from another clone, and
+# draw to files, though a notebook that starts the run has a backend of its own.
 paths = [str(scripts), *filter(None, [os.getenv("PYTHONPATH")])]
-os.environ.update(
-    PYTHONPATH=os.pathsep.join(paths), PYTHONDONTWRITEBYTECODE="1", PYTHONSAFEPATH="1"
-)
+os.environ |= {"PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "agg"}
+os.environ |= dict.fromkeys(("PYTHONDONTWRITEBYTECODE", "PYTHONSAFEPATH"), "1")
 from snapmap.applications import attached, gather, refuse_all
 from snapmap.config.devices import nominal
 from snapmap.config.doubts import descriptions, doubts

@@ -354,7 +354,7 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
-CORE = {"simulate_slab", "collect", "find_threshold", "draw_study", "all"}
+CORE = {"simulate_all", "simulate_slab", "collect", "find_threshold", "draw_study", "all"}
 """Rules that are not in the table of architecture.md, or make more than applications do."""
 
 

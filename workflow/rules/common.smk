@@ -15,10 +15,11 @@ def remove_old_products():
             tell(line)
 
 
-def finish():
+def finish(folder):
     """End a dry run with the number of new cells, and one that ran no job without old products."""
     if workflow.scheduler is None:  # a report or another question
         return
+    os.chdir(folder)  # which --directory names for as long as Snakemake is at work
     if workflow.dryrun:
         cells, new = sum(map(cells_in, plan.slabs)), sum(new_cells.values())
         tell(f"{cells} cells: {cells - new} are there already, {new} are new")

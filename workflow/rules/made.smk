@@ -35,7 +35,7 @@ if workflow.is_main_process:
     made.mend_times(
         {path: files for path, files in sources.items() if path not in others}
     )
-    atexit.register(finish)
+    atexit.register(finish, os.getcwd())
 
 # The cells of each slab that is not there or is made again, by its name.
 new_cells = {

@@ -116,7 +116,8 @@ def recall(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Read cells of a slab from other slabs in the folder of `path`.
 
-    slab: values on each axis, as `_identified` gives them; code: hash of the code that made the other slabs
+    slab: values on each axis, as `_identified` gives them
+    code: hash of the code that made the other slabs
     same_N: whether only slabs with the same N count, as a cell depends on its neighbours along N
     Returns the variables by name, in the shape of the slab, and which of its cells are known.
     """
