@@ -130,14 +130,17 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
 
 def test_slabs_have_as_many_C_as_their_jobs_have_time_for(tmp_path, followed, monkeypatch):
     """A new C falls into a slab of several, of which it alone is followed."""
-    monkeypatch.setattr("snapmap.workflow.plan.FEW_SECONDS", seconds(WHOLE) * 8)
+    small = {"f0": [500.0, 2000.0], "N": [700.0, 900.0, 1200.0]}
     C = np.geomspace(1, 200, 40)
-    part, whole = study(**WHOLE | {"C": np.delete(C, 7)}), study(**WHOLE | {"C": C})
+    part, whole = study(**small, C=np.delete(C, 7)), study(**small, C=C)
+    few = make_plan(whole).seconds / 8
+    for name, most in {"FEW_SECONDS": few, "JOB_SECONDS": 10 * few, "SLAB_CELLS": 10_000}.items():
+        monkeypatch.setattr(f"snapmap.workflow.plan.{name}", most)
     write_all(part, tmp_path)
-    assert 5 <= len(cut(whole)) <= 20
+    assert 8 <= len(cut(whole)) <= 20
     followed.clear()
     paths, _ = write_all(whole, tmp_path)
-    assert sum(followed) == 16 * 16
+    assert sum(followed) == 2 * 3
     in_one = snapmap.sweep(part, **whole.axes)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
@@ -165,6 +168,7 @@ def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, mo
         return load_config(yaml.safe_load(NAMED.format(names="{}")) | {"devices": named})
 
     thin, thick = named(zinc=1.9, tin=2.0, tin2=2.1), named(gold=2.05, zinc=1.8, tin=2.0, tin2=2.1)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 10.0)
     monkeypatch.setattr("snapmap.workflow.plan.FEW_SECONDS", make_plan(thin).seconds * share)
     write_all(thin, tmp_path)
     followed.clear()
