@@ -1,3 +1,4 @@
+studied = provenance.code_hash(*provenance.NUMBERS, clone / "studies")
 STUDIES = {"accuracy": ["accuracy"], "stability": ["stability", "settled"]}
 
 for what, stems in STUDIES.items():
@@ -15,7 +16,7 @@ for what, stems in STUDIES.items():
         # A study takes all cores, as another job at the same time would spoil its times.
         threads: 1000
         params:
-            code=provenance.code_hash(*provenance.NUMBERS, clone / "studies"),
+            code=studied,
             device=json.dumps(provenance.device_sections(nominal(study.device))),
             python=sys.executable,
             path=os.pathsep.join([str(clone), str(scripts)]),
