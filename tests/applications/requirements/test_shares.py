@@ -96,7 +96,7 @@ def test_bounds_hold_the_share_of_a_batch_that_is_known(handout):
         {"name": "rests", "N": N, "f0": 1500.0, "snaps": False},
     ]
     held = []
-    for seed in range(10):
+    for seed in range(6):
         how = {"samples": 64, "index_samples": 2, "seed": seed, "requirements": needs}
         made = snapmap.tolerance(cheap(handout), {"thickness": {"uniform": width}}, F0, C, **how)
         trips, rests = made.share_meeting_bound.squeeze("C").transpose("requirement", ...).values
@@ -153,11 +153,11 @@ def test_all_fire_holds_for_other_devices_of_its_batch(handout):
     scatter = {"thickness": "3 %"}
     need = {"name": "a", "N": 1e3, "f0": 1500.0, "snaps": "arrives", "share": 0.95}
     many = snapmap.tolerance(
-        cheap(handout), scatter, F0, C, samples=2048, index_samples=2
+        cheap(handout), scatter, F0, C, samples=1024, index_samples=2
     ).N_first.squeeze()
     low, high = np.quantile(many, [0.05, 0.95])
     held = []
-    for seed in range(2, 22):
+    for seed in range(2, 12):
         how = {"samples": 59, "index_samples": 2, "seed": seed, "requirements": [need]}
         made = snapmap.tolerance(cheap(handout), scatter, F0, C, **how).squeeze()
         held += [made.N_all_fire.item() >= high, made.N_no_fire.item() <= low]
@@ -167,7 +167,8 @@ def test_all_fire_holds_for_other_devices_of_its_batch(handout):
 def document(**more):
     """A small study with one required shock."""
     text = yaml.safe_load(THREE_COSINES)
-    text["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "0.3 ms"}
+    text["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
+    text["run"] = {"horizon": "0.3 ms"}
     shock = {"name": "crash", "N": 990, "f0": "1500 Hz", "snaps": "arrives", "share": "80 %"}
     text["requirements"] = [shock | more]
     return text
