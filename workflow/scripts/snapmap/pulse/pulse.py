@@ -171,6 +171,11 @@ class Pulse:
         return bool(np.isfinite(self.peak))
 
     @property
+    def is_record(self) -> bool:
+        """Whether it is made of samples over time."""
+        return self.duration is not None and not self.blows.size
+
+    @property
     def alone(self) -> "Pulse":
         """The strongest blow of a train alone; other pulses as they are."""
         return self.strongest or self
@@ -277,12 +282,12 @@ class Pulse:
 
         own_frequency, gravity: of the `Device`, rad/us and um/us^2; lasts: in the study, us
         """
-        lines, period = list(self.notes), 2 * np.pi / own_frequency
+        lines, period = [], 2 * np.pi / own_frequency
         if self.blows.size and self.is_of_frame:
             N = f"N = {self.peak / gravity:.5g}"
             lines.append(f"{N} is the fall from its height; another N scales the whole record")
         step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
-        if self.duration is not None and not self.blows.size and step * COARSE > period:
+        if self.is_record and step * COARSE > period:
             lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
         return [f"{self.name}: {line}" for line in lines]
 

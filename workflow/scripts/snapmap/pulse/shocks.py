@@ -76,6 +76,22 @@ class Shocks:
         """Keep the first shape in the first direction."""
         return Shocks(next(iter(self.shapes.values())), self.directions[0])
 
+    def doubts(self, is_pressed: bool) -> list[str]:
+        """Lines on records: their notes, and largest accelerations that pull the mass away.
+
+        is_pressed: whether the mass is to press on the beam, as for a snap from the first shape
+        """
+        lines = [f"{pulse.name}: {note}" for pulse in self.shapes.values() for note in pulse.notes]
+        for pulse in self.shapes.values():
+            pushed = Shocks(pulse, self.direction).pulses
+            if is_pressed and pulse.is_record and max(each.highest for each in pushed) < 1:
+                other = next(way for way in DIRECTIONS if way not in self.directions)
+                lines.append(
+                    f"{pulse.name}: its largest acceleration pulls the mass away from the beam; "
+                    f"if its sensor was mounted upside down, write direction: {other}"
+                )
+        return lines
+
     def own_frequency(self) -> float:
         """Return 1/duration, Hz, of shocks that last equally long; else ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}
