@@ -77,19 +77,22 @@ def first_obstacle(device: Device, static: float) -> str:
     return next((reason for reason, is_so in reasons.items() if np.all(is_so)), "")
 
 
-def growth_rate(device: Device, C: Number, static: Number) -> Number:
+def departure_rate(device: Device, C: Number) -> Number:
     """Give the rate sigma, 1/us, at which the mass departs along the falling branch of the path.
 
-    C: uN us/um; static: as in `fall`; the dwell is 2/sigma
-    It is NaN where one of `obstacles` is.
+    C: uN us/um; NaN for a spring that is stiffer than the falling beam
     """
     damping, falls = C * device.damper_factor, falling_stiffness(device.beam)
     with np.errstate(divide="ignore", invalid="ignore"):
         kappa = 1 / (1 / falls - 1 / np.asarray(device.contact, float)) - device.spring
         root = np.sqrt(damping * damping + 4 * device.mass * kappa)
-        rate = 2 * kappa / (damping + root)
+        return 2 * kappa / (damping + root)
+
+
+def growth_rate(device: Device, C: Number, static: Number) -> Number:
+    """Give `departure_rate`, NaN where one of `obstacles` is; the dwell is 2 over it."""
     holds = ~np.logical_or.reduce([*obstacles(device, static).values()])
-    return np.where(holds, rate, np.nan)[()]
+    return np.where(holds, departure_rate(device, C), np.nan)[()]
 
 
 def slow_up_to(device: Device, static: Number) -> Number:
