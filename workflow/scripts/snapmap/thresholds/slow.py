@@ -53,9 +53,13 @@ def obstacles(device: Device, static: Number) -> dict[str, np.ndarray]:
     """
     beam, (least, most) = device.beam, FALLS
     falls, contact = falling_stiffness(beam), np.asarray(device.contact, float)
+    reasons = {}
+    if np.any(np.isfinite(device.stop_toward)):
+        clear = replace(device, stop_toward=np.inf * np.asarray(device.stop_toward))
+        reasons["a stop is in the way"] = static_threshold(clear) != static
     with np.errstate(divide="ignore", invalid="ignore"):
         share = fall(device, static)
-    reasons = {
+    return reasons | {
         "the beam is free to tilt": np.not_equal(beam.free, 0),
         "the beam as made has a second cosine": np.not_equal(beam.cosine_2, 0),
         "the mass is apart from the beam at rest": np.not_equal(device.gap, 0),
@@ -65,10 +69,6 @@ def obstacles(device: Device, static: Number) -> dict[str, np.ndarray]:
         "the spring is nearly as stiff as the falling beam": ~np.greater_equal(share, least),
         "the spring is soft beside the falling beam": np.greater(share, most),
     }
-    if np.any(np.isfinite(device.stop_toward)):
-        clear = replace(device, stop_toward=np.inf * np.asarray(device.stop_toward))
-        reasons["a stop is in the way"] = static_threshold(clear) != static
-    return reasons
 
 
 def first_obstacle(device: Device, static: float) -> str:
