@@ -9,7 +9,7 @@ import numpy as np
 from typing_extensions import TypeAliasType
 
 from ..files.tables import require_rising
-from ..files.text import show
+from ..files.text import plain, show
 from ..numerics.portable import sines
 from ..values.kinds import Number, Quantity, Single, Word
 from ..values.quantities import Share
@@ -169,6 +169,17 @@ class Pulse:
     def is_of_frame(self) -> bool:
         """Whether the amplitude is known: of a record in known units, or of a drop."""
         return bool(np.isfinite(self.peak))
+
+    @property
+    def words(self) -> str:
+        """The pulse in words: its name, or height, shape and duration of a drop, and rebounds."""
+        drop = self.section.get("drop")
+        if not drop:
+            return self.name
+        height, lasts = plain(1e-4 * drop["height"]), plain(1e-3 * drop["duration"])
+        shape, rebounds = drop.get("shape", VERSED_SINE), self.blows.size - 1
+        again = f", {rebounds} rebound{'s' * (rebounds > 1)}" if rebounds else ""
+        return f"drop from {height} cm, {shape} of {lasts} ms{again}"
 
     @property
     def is_record(self) -> bool:
@@ -337,7 +348,7 @@ class Form:
 
     def make(self) -> "Pulse":
         """Make the pulse."""
-        return make_pulse(self.shape, **self.shares)
+        return make_pulse(self.shape or VERSED_SINE, **self.shares)
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -185,13 +185,14 @@ def _cells(verdict, made):
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
     level, threshold, margin = LEVELS.get(verdict.shape, ""), "nothing snaps", DASH
     required = plain(verdict.N, 5) + level
-    if np.isfinite(verdict.scale):
-        required += f" ({plain(verdict.scale)} of the record)"
+    of = "drop" if verdict.drop else "record"
+    if np.isfinite(verdict.scale) and not (verdict.drop and verdict.scale == 1):
+        required += f" ({plain(verdict.scale)} of the {of})"
     if np.isfinite(verdict.N_first):
         threshold = f"{verdict.N_first:.5g} ± {plain(verdict.N_error, 2)}"
         threshold += level
         if np.isfinite(verdict.scale_first):
-            threshold += f" ({plain(verdict.scale_first)} of the record)"
+            threshold += f" ({plain(verdict.scale_first)} of the {of})"
         margin = f"{plain(verdict.margin)} ± {plain(verdict.margin_error, 1)}"
     breaks = [DASH, DASH]
     if np.isfinite(verdict.strength_margin):

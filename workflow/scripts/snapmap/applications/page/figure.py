@@ -17,12 +17,11 @@ from plotly.offline import get_plotlyjs
 
 from ...config.devices import read_device
 from ...config.renamed import config_of
-from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
 from ...device.device import STOPS, VALUES
 from ...figures import captions, scales, states
 from ...files.text import leaves
-from ...pulse.shocks import HANDOUT_SHOCK
+from ...pulse.shocks import make_shocks
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
@@ -164,7 +163,7 @@ def _simulation(cells, document, pulse):
     """Data with which the page follows shocks."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
-    shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
+    shocks = make_shocks(pulse)
     devices = {name: read_device(section) for name, section in _devices(document).items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)

@@ -52,8 +52,8 @@ class Requirements(Application):
 
     def files(self, study: Config) -> Mapping[str, str]:
         """Recorded shocks among the requirements."""
-        pulses = [shock.pulse for shock in shocks_of(study)]
-        return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+        named = [shock.shocks.files for shock in shocks_of(study)]
+        return {path: sha256 for files in named for path, sha256 in files.items()}
 
     def doubts(self, study: Config) -> list[str]:
         """Lines about amplitudes that are hardly meant."""
@@ -63,7 +63,7 @@ class Requirements(Application):
 
     def records(self, study: Config) -> list[tuple[Shocks, float, str]]:
         """Recorded shocks among the requirements."""
-        recorded = [shock for shock in shocks_of(study) if "file" in shock.pulse]
+        recorded = [shock for shock in shocks_of(study) if shock.shocks.files]
         return [(shock.shocks, shock.f0, shock.start) for shock in recorded]
 
     def marks(self, study: Config) -> list[Mark]:
