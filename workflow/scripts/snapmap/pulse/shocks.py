@@ -218,7 +218,7 @@ def _pulse(section):
 def _written(section):
     """Write a section of a pulse, or a value in it, as in a config: with units."""
     if isinstance(section, list | tuple):
-        return [*map(_written, section)]
+        return type(section)(map(_written, section))
     if not isinstance(section, Mapping):
         return section
     written = {key: _written(value) for key, value in section.items()}
