@@ -94,7 +94,8 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
 def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
-    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"], "horizon": "4 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "4 ms"}
     crash = {"shape": "half sine", "direction": "both", "N": 2320, "f0": "8 kHz", "snaps": True}
     document["requirements"] = [
         crash | {"name": "crash"},
@@ -119,7 +120,8 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
 def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["contact_at"] = "-5 um"
-    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "1 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "1 ms"}
     crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
     document["requirements"] = [
         crash | {"name": "closes", "closes_within": "1 ms"},

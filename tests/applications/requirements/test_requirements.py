@@ -10,12 +10,10 @@ import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn, make_verdict
-from varied import varied
 
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.requirements.figure import draw_margins
-from snapmap.applications.requirements.forecast import judged_seconds
 from snapmap.applications.requirements.required import RequiredShock
 from snapmap.applications.requirements.summary import hint, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
@@ -210,16 +208,3 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "."]
     assert [points for points in dots if points] == [[[1.2, 0.0]]]  # the one that fails is in front
     assert len(ax.get_yticklabels()) == 4
-
-
-def test_the_forecast_counts_the_flight_of_a_drop_as_its_history_follows_it(handout, study):
-    """It leaves out no quiet time: from four times the height it lasts twice as long."""
-    damped = replace(study, device=varied(handout, damping=1e-2))
-    blow = {"duration": 500.0, "rebound": 0.0, "shape": "half sine"}
-    drops = [make_shocks({"drop": {"height": height, **blow}}) for height in (1e6, 4e6)]
-    asked = [
-        Shock(name="drop", N=500.0, snaps=False, f0=shocks.own_frequency(), shocks=shocks)
-        for shocks in drops
-    ]
-    short, long = (judged_seconds(damped, [shock], [25.0], [20.0]) for shock in asked)
-    assert short > 10 and long / short == pytest.approx(2, rel=0.05)
