@@ -39,7 +39,7 @@ HIGHEST, ROUNDS, PARTS = 8.0, 4, 8
 """Largest excess over the law's that is searched, in ROUNDS, each with PARTS parts."""
 MODEL, DAMPING = Cosines(modes=11), (0.01, 30.0)
 """The model, and the range of C over critical damping of the departure, 2 sqrt(M kappa)."""
-FAST, OF_SHORT, DAMPED = (2.0, 5.0, 10.0, 20.0), 40, 0.1
+FAST, OF_SHORT, DAMPED = (2.0, 5.0, 10.0, 20.0), 15, 0.1
 """f0 over the higher one of the frequencies of mass and beam; devices; their C over sqrt(K M)."""
 F0, C = np.geomspace(50.0, 2e5, 145), (0.025, 25.0)
 SLOW_WITHIN, SHORT_WITHIN = 0.01, 0.07
