@@ -62,8 +62,9 @@ def _cells(verdicts):
         return words
 
     def amplitude(key, scale, error=""):
-        record = f" ({span(scale)} of the record)" if np.isfinite(getattr(first, scale)) else ""
-        return span(key, 5, error) + level + record
+        factor, of = getattr(first, scale), "drop" if first.drop else "record"
+        is_told = np.isfinite(factor) and not (first.drop and factor == 1)
+        return span(key, 5, error) + level + (f" ({span(scale)} of the {of})" if is_told else "")
 
     def joined(words):
         return "; ".join(dict.fromkeys(words))
