@@ -1,4 +1,4 @@
-"""Shocks that must or must not trip a device.  Imports: histories, design."""
+"""Shocks that must or must not trip a device.  Imports: histories."""
 
 from __future__ import annotations
 
@@ -94,16 +94,25 @@ class Requirements(Application):
             "tolerance": study.threshold_tolerance,
         }
 
-    def run(self, study: Config, path: str) -> None:
+    def inputs(self, study: Config) -> Files:
+        """Devices as made, if values scatter."""
+        return {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
+
+    def run(self, study: Config, path: str, tolerance_path: str = "") -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
+        from ...study.netcdf import open_whole
+        from .shares import with_shares
         from .summary import sum_up
         from .verdict import write_verdicts
 
         study, requirements = study.of_thresholds(), study.requests["requirements"]
         C = study.axes["C"].tolist()
         verdicts = [verdict for required in requirements for verdict in required.check(study, C)]
+        if tolerance_path:
+            with open_whole(tolerance_path) as made:
+                verdicts = with_shares(verdicts, shocks_of(study), made)
         write_verdicts(verdicts, path)
-        print(f"{path}: {sum_up(study, requirements, verdicts)}")
+        print(f"{path}: {sum_up(verdicts)}")
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""

@@ -10,6 +10,7 @@ from ...config.kinds import Title
 from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time
 from ...config.views import frequency_of
 from ...files.text import describe, show
+from ...numerics.statistics import CONFIDENCE
 from ...pulse.shocks import each_form
 from ...solver.settings import FIRST, STARTS
 from ...study.study import ANY, ARRIVES
@@ -90,6 +91,10 @@ class ShockSection(PulseSection):
     only for a moment; `any`: either is right"""
     survives: Survives = SURVIVES
     """least probability that the beam does not break; true is 99.9 %, false is 0"""
+    share: Share | None = None
+    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %"""
+    confidence: Share = CONFIDENCE
+    """confidence that the share must be known with"""
     f0: Frequency | None = None
     """1/duration of the shock; required, or `duration`, or a shock with its own"""
     duration: PulseTime | None = None
@@ -133,6 +138,8 @@ class ShockSection(PulseSection):
             shocks=shocks,
             snaps=self.snaps,
             survives=self.survives,
+            share=self.share or 0.0,
+            confidence=self.confidence,
             start=self.start,
         )
 

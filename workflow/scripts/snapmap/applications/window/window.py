@@ -8,7 +8,7 @@ import xarray as xr
 from ...beam.stress import break_probability
 from ...device.samples import Plan, Tolerances
 from ...files.text import plain
-from ...numerics.statistics import wilson
+from ...numerics.statistics import share_bounds
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import KIND_OF, TEMPERATURE, Units, rows_of
@@ -53,7 +53,10 @@ def window_of(
     if tolerances:
         count = _count_meeting(study, axes, requirements, tolerances)
         window["yield"] = design, count / tolerances.samples
-        window["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
+        window["yield_bound"] = (
+            ("bound", *design),
+            np.stack(share_bounds(count, tolerances.samples)),
+        )
         window = window.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
     temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
