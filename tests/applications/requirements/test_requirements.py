@@ -138,7 +138,7 @@ def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, doc
     study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
     N_first = flat.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
     light, damped = N_first.values.ravel()
-    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999, "pulse": {}}
+    shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999}
     trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)
     stays = RequiredShock(name="stays", N=0.97 * light, snaps=False, **shock)
     needs = [trips, stays]

@@ -15,7 +15,7 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
-from .solver.settings import Run
+from .solver.settings import FIRST, Run
 from .study.provenance import unit_of_C
 from .study.study import Study
 from .values import calls
@@ -82,8 +82,7 @@ def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
     yield from unusual_runs(horizon=study.run.horizon, **({} if N is None else {"N": N}))
-    for pulse in study.shocks.shapes.values():
-        yield from (f"{pulse.name}: {note}" for note in pulse.notes)
+    yield from study.shocks.doubts(is_pressed=study.run.start == FIRST)
     C, f0 = (values.get(key) for key in ("C", "f0"))
     for single in study.devices().values():
         alone = batch([single])

@@ -9,10 +9,13 @@ DEVIATIONS = 1.959963984540054
 def percents(*shares: float) -> str:
     """Write shares in per cent, from the lowest to the highest, or once if both read alike.
 
-    A share that is not known, NaN, is a question mark.
+    NaN is not known, and not counted among others.
     """
-    ends = dict.fromkeys(f"{100 * float(end):.1f}" for end in (min(shares), max(shares)))
-    return f"{' to '.join(ends)} %".replace("nan", "?")
+    known = [100 * float(share) for share in shares if share == share]
+    if not known:
+        return "not known"
+    ends = dict.fromkeys(f"{end:.1f}" for end in (min(known), max(known)))
+    return f"{' to '.join(ends)} %"
 
 
 def scope(share) -> str:

@@ -19,7 +19,7 @@ from ...solver.outcome import REPEATED_STEP
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
-from ...thresholds.slow import growth_rate
+from ...thresholds.slow import first_obstacle, growth_rate, slow_up_to
 from ...values.damper import INTERNAL
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
@@ -133,13 +133,15 @@ def _at_rest(device, laws, verdicts, damper):
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
-    slow = f"{static_threshold(device):.5g}; faster shocks may need less"
+    static = static_threshold(device)
+    slow = f"{static:.5g}; faster shocks may need less"
     yield ["N above which a slow shock snaps it", OF_LAWS if laws else slow]
     unit, size = damper
     for C in sorted({verdict.C for verdict in verdicts}) if not laws else ():
-        dwell = 2 / growth_rate(device, C * size)
-        unknown = "not known: the law of slow shocks does not hold here"
-        text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
+        dwell = 2 / growth_rate(device, C * size, static)
+        text = f"{dwell:.4g} us, for shocks up to N = {slow_up_to(device, static):.5g}"
+        if obstacle := first_obstacle(device, static):
+            text = f"not known: {obstacle}"
         yield [f"time that the slow shock must stay above it, C = {C:g} {unit}", text]
 
 
@@ -183,13 +185,14 @@ def _cells(verdict, made):
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
     level, threshold, margin = LEVELS.get(verdict.shape, ""), "nothing snaps", DASH
     required = plain(verdict.N, 5) + level
-    if np.isfinite(verdict.scale):
-        required += f" ({plain(verdict.scale)} of the record)"
+    of = "drop" if verdict.drop else "record"
+    if np.isfinite(verdict.scale) and not (verdict.drop and verdict.scale == 1):
+        required += f" ({plain(verdict.scale)} of the {of})"
     if np.isfinite(verdict.N_first):
         threshold = f"{verdict.N_first:.5g} ± {plain(verdict.N_error, 2)}"
         threshold += level
         if np.isfinite(verdict.scale_first):
-            threshold += f" ({plain(verdict.scale_first)} of the record)"
+            threshold += f" ({plain(verdict.scale_first)} of the {of})"
         margin = f"{plain(verdict.margin)} ± {plain(verdict.margin_error, 1)}"
     breaks = [DASH, DASH]
     if np.isfinite(verdict.strength_margin):

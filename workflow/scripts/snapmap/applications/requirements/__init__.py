@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from ..application import Application, Config, Figures, Files, Mark
 
 if TYPE_CHECKING:
-    from ...pulse.pulse import Pulse
+    from ...pulse.shocks import Shocks
     from .required import RequiredShock
 
 
@@ -52,8 +52,8 @@ class Requirements(Application):
 
     def files(self, study: Config) -> Mapping[str, str]:
         """Recorded shocks among the requirements."""
-        pulses = [shock.pulse for shock in shocks_of(study)]
-        return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+        named = [shock.shocks.files for shock in shocks_of(study)]
+        return {path: sha256 for files in named for path, sha256 in files.items()}
 
     def doubts(self, study: Config) -> list[str]:
         """Lines about amplitudes that are hardly meant."""
@@ -61,10 +61,10 @@ class Requirements(Application):
 
         return unusual_runs(N=[shock.N for shock in shocks_of(study)])
 
-    def records(self, study: Config) -> list[tuple[Pulse, float]]:
+    def records(self, study: Config) -> list[tuple[Shocks, float, str]]:
         """Recorded shocks among the requirements."""
-        recorded = [shock for shock in shocks_of(study) if "file" in shock.pulse]
-        return [(pulse, shock.f0) for shock in recorded for pulse in shock.shocks.shapes.values()]
+        recorded = [shock for shock in shocks_of(study) if shock.shocks.files]
+        return [(shock.shocks, shock.f0, shock.start) for shock in recorded]
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""

@@ -33,6 +33,7 @@ class Verdict:
     margin, margin_error: N_first and its error bar over N; NaN where nothing snaps
     verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
     scale, scale_first: N and N_first as factors of a recorded shock
+    drop: height, shape, duration and rebounds in words; empty for other shocks
     start: as in `Run`
     end: how the required shock ends, in the runs near N that arrive: STAYS if all stay, DIFFERS if
         some do, else RETURNS or OPEN; NO_ARRIVAL at N itself, or NOT_FOLLOWED
@@ -63,6 +64,7 @@ class Verdict:
     verdict: str
     scale: float = np.nan
     scale_first: float = np.nan
+    drop: str = ""
     start: str = FIRST
     end: str = NOT_FOLLOWED
     share_staying: float = np.nan
@@ -107,8 +109,10 @@ class Verdict:
     @property
     def shock(self) -> str:
         """The shock in words: shape, direction, duration, and the shape in which it begins."""
-        lasts = f", {plain(self.duration)} ms" if np.isfinite(self.duration) else ""
         start = ", from the second shape" if self.start == SECOND else ""
+        if self.drop:
+            return f"{self.drop}, {self.direction}{start}"
+        lasts = f", {plain(self.duration)} ms" if np.isfinite(self.duration) else ""
         return f"{self.shape} {self.direction}{lasts}{start}"
 
     @property

@@ -151,9 +151,13 @@ def summary(window: xr.Dataset, units: Units) -> str:
     words = f"thresholds on the right side of all requirements at {met.sum()} of {met.size} points"
     if not np.isfinite(least).any():
         return f"{words}; nothing else is known"
-    share = np.mean(least >= 1)
-    words += f", by interpolation on {share:.1%} of the plane; the widest margin, "
+    if not np.isfinite(window.N_first).any():
+        return f"{words}; nothing snaps at any"
+    words += f", by interpolation on {np.mean(least >= 1):.1%} of the plane; the widest margin, "
     best = np.unravel_index(np.nanargmax(least), least.shape)
+    if least[best] >= FAR:
+        far = np.mean(least >= FAR)
+        return f"{words}a factor over {FAR:g}, is that of {far:.1%} of the plane"
     where = []
     for key, place in zip(axes, best, strict=True):
         unit, size = units.get(key, (KIND_OF[key].unit, 1.0))
