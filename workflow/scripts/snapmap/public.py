@@ -21,8 +21,6 @@ from .study.study import Study
 from .values import calls
 from .values.damper import damper_in
 
-OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow the laws of `reference`, which is slow."""
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
     **{
@@ -74,10 +72,6 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
     if study is None:
         yield
         return
-    laws = study.model.laws
-    if laws and study.model.name == "reference" and function.__name__ not in OF_LAWS:
-        line = f"model.laws: of reference work only with {', '.join(OF_LAWS)}"
-        raise ValueError(f"{line}; write a model elements or cosines")
     for line in _doubts(study, values):
         warnings.warn(line, stacklevel=4)
     with counting(function.__name__):

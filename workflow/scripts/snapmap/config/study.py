@@ -171,11 +171,9 @@ def _convert(source):
 def _follows_laws(name, chosen):
     """Tell whether an application can follow a model, which may have a user's own laws.
 
-    The three laws are those of the device's own forces, and `reference` is too slow for most.
+    The three laws of a switch are those of the device's own forces.
     """
-    if not chosen.laws:
-        return True
-    return name == "histories" if chosen.name == "reference" else name != "laws"
+    return not chosen.laws or name != "laws"
 
 
 class _Faults(list):
