@@ -1,18 +1,19 @@
 """Thresholds as a line of text, and as a plain table for other tools."""
 
 import math
+from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
+from ..files.tables import write_table
 from ..files.text import plain
 from ..study.axes import duration_of
 from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
 
 
-def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
-    """Make a table with a row for each threshold: its place on all axes, then its variables.
+def write_thresholds(thresholds: xr.Dataset, path: str | Path) -> None:
+    """Write a table with a row for each threshold: its place on all axes, then its variables.
 
     thresholds: a Dataset of `threshold`
     Limits of long and short pulses are repeated in each row. `status` is in words. The ends of
@@ -21,9 +22,12 @@ def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
     N_first = thresholds.N_first
     dims, kept = N_first.dims, [key for key, a in thresholds.items() if "island" not in a.dims]
     table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
-    table.insert(len(dims), "duration_ms", table["f0"].map(duration_of))
+    table["duration"] = table["f0"].map(duration_of)
     table["status"] = np.array(STATUS)[table["status"]]
-    return table[[*dims, "duration_ms", *kept]]
+    units = {key: thresholds[key].attrs.get("units", "1") for key in (*dims, *kept)}
+    units = {key: unit for key, unit in units.items() if unit != "1"} | {"duration": "ms"}
+    places = [*dims, "duration"]
+    write_table(table[[*places, *kept]], path, units, places)
 
 
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
