@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from ..files.tables import write_table
@@ -13,7 +14,15 @@ from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
 
 
 def write_thresholds(thresholds: xr.Dataset, path: str | Path) -> None:
-    """Write a table with a row for each threshold: its place on all axes, then its variables.
+    """Write the table of `tidy`, whose places keep all digits."""
+    table = tidy(thresholds)
+    units = {key: thresholds[key].attrs.get("units", "1") for key in table if key in thresholds}
+    units = {key: unit for key, unit in units.items() if unit != "1"} | {"duration": "ms"}
+    write_table(table, path, units, [*thresholds.N_first.dims, "duration"])
+
+
+def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
+    """Make a table with a row for each threshold: its place on all axes, then its variables.
 
     thresholds: a Dataset of `threshold`
     Limits of long and short pulses are repeated in each row. `status` is in words. The ends of
@@ -24,10 +33,7 @@ def write_thresholds(thresholds: xr.Dataset, path: str | Path) -> None:
     table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
     table["duration"] = table["f0"].map(duration_of)
     table["status"] = np.array(STATUS)[table["status"]]
-    units = {key: thresholds[key].attrs.get("units", "1") for key in (*dims, *kept)}
-    units = {key: unit for key, unit in units.items() if unit != "1"} | {"duration": "ms"}
-    places = [*dims, "duration"]
-    write_table(table[[*places, *kept]], path, units, places)
+    return table[[*dims, "duration", *kept]]
 
 
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
