@@ -1,6 +1,7 @@
 """The motion of one cell at every step, by the loop of its model."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from ...solver.kernel import rows as R
 from ...solver.kernel.trace import keep_motion
 from ...solver.ledger import CellRun
 from ...solver.models import Model
-from ...solver.plain_loop import follower, starting
+from ...solver.plain_loop import follow, starting
 from ...solver.settings import FIRST
 from ...solver.simd_loop import begin, in_windows, may_jump
 
@@ -19,8 +20,8 @@ from ...solver.simd_loop import begin, in_windows, may_jump
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
-    The plain loop samples at the steps; the kernel samples half way between them, where it knows
-    its energies.
+    The plain loop samples at the steps; the kernel samples at rest and then half way between
+    steps, where it knows its energies.
 
     time: us
     u, u_velocity: (samples, n); the other arrays are (samples,)
@@ -83,7 +84,15 @@ def record(
         (first.item(), *states[:, : (steps - first).item()].swapaxes(1, 2))
         for first, states in windows
     )
-    return form, (_motion(model, cells.damping, dt, shrink, *part) for part in parts)
+    motions = (_motion(model, cells.damping, dt, shrink, *part) for part in parts)
+    return form, chain([_at_rest(form, model.rest(start))], motions)
+
+
+def _at_rest(form, modes):
+    """The Motion of the instant 0, which the kernel leaves out."""
+    u, zero = np.reshape(modes, (1, -1)), np.zeros(1)
+    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
+    return Motion(zero, u, 0 * u, zero, zero, stretch, work=zero, lost=zero)
 
 
 def _motion(model, damping, dt, shrink, first, before, after):
@@ -109,7 +118,7 @@ def _by_plain_loop(model, cells, dt, steps, start):
     amplitude, f0, damping = (column.item() for column in cells[2:5])
     history = np.zeros((steps, 2 * n + 4))
     run = CellRun(cells.pulses[0].curve, amplitude, f0, damping, -np.inf, dt, steps, history)
-    follower(model.laws)(system, run)
+    follow(system, run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,
