@@ -79,5 +79,10 @@ def _factor(verdict):
 def _name(verdict):
     shock = f"{verdict.shock.replace('-', '−')}, {number(verdict.temperature)} °C"
     where = [verdict.device, shock, value_text("C", verdict.C)]
-    name = must_text(captions.literal(verdict.requirement), verdict.must_snap)
+    name = required_text(verdict.requirement, verdict.must_snap)
     return f"{name}\n{', '.join(filter(None, where))}"
+
+
+def required_text(name: str, must_snap: bool | int | str) -> str:
+    """Write a requirement's name and what the device must do, for a figure."""
+    return must_text(captions.literal(name), must_snap)
