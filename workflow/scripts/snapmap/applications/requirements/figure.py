@@ -77,7 +77,8 @@ def _factor(verdict):
 
 
 def _name(verdict):
-    shock = f"{verdict.shock.replace('-', '−')}, {number(verdict.temperature)} °C"
+    shock = f"{verdict.shock.replace('-z', '−z')}, {number(verdict.temperature)} °C"
+    shock = shock.replace(f"{verdict.drop}, ", f"{verdict.drop},\n") if verdict.drop else shock
     where = [verdict.device, shock, value_text("C", verdict.C)]
     name = required_text(verdict.requirement, verdict.must_snap)
     return f"{name}\n{', '.join(filter(None, where))}"
