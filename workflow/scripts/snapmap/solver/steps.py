@@ -29,7 +29,7 @@ SHORTEST = 0.15
 BLOWS = 400.0
 """Radians of the arch in a swing of a pulse up to which single blows of the mass decide, and EDGE
 takes the shortest steps. For longer pulses its steps grow with the square of their length."""
-LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
+LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.25, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
 LONGEST_PRESSED = 2.5
 """Longest step for SNAP and EDGE if the mass is pressed on the beam, so that it cannot strike with

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...solver.adaptive import Adaptive, choose_model
+from ...solver.adaptive import choose_model
 from ...solver.cells import Observations
 from ...solver.outcome import REPEATED_STEP
 from ...study.axes import Grid, rows_of
@@ -23,10 +23,6 @@ def follow_near(study: Study, grid: Grid, N: Sequence[float]) -> list[Observatio
     Returns observations, (rows, N), of each step.
     """
     settings = study.run.but(until="settled")
-    cells, runs = rows_of(grid).cells(grid.device, N, settings.horizon), []
-    model = choose_model(grid.device, study.model, settings.start)
-    for step in STEPS:
-        part = model.with_step(step)
-        follow = part.follow_by_top if isinstance(part, Adaptive) else part.follow
-        runs.append(follow(cells.flat(), settings).shaped(cells.f0.shape))
-    return runs
+    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
+    finest = choose_model(grid.device, study.model, settings.start).levels[-1]
+    return [finest.with_step(step).follow(cells, settings) for step in STEPS]
