@@ -130,6 +130,11 @@ class Survey(NamedTuple):
         """This survey and finer ones, by the `level` of their thresholds."""
         return self, *(self.finer.levels if self.finer else ())
 
+    @property
+    def ends(self) -> Follows:
+        """The model that tells where beams end, the finest one in the steps of maps."""
+        return self.levels[-1].ragged
+
 
 def choose_model(device: Device, chosen: Chosen, start: str = FIRST) -> Follows | Adaptive:
     """Build the chosen model for a device or a batch; start: as in `Run`."""

@@ -25,6 +25,7 @@ from .external import Answers
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, announce, well_of
 from .options import Chosen, Cosines, Elements, Reference
+from .outcome import REPEATED_STEP
 from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
@@ -181,6 +182,11 @@ def with_ends(
     snapped[snapped] = known
     observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
     return observed
+
+
+def follow_twice(model: "Follows", cells: Cells, settings: Run) -> list[Observations]:
+    """Follow cells in the model's step, and again in the REPEATED_STEP."""
+    return [model.with_step(step).follow(cells, settings) for step in (1.0, REPEATED_STEP)]
 
 
 def deciders(

@@ -189,7 +189,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
         size = tolerances.followed(nominal.size * N.size)
-        count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
+        count = batch.latched(N_first[:size], N, rows, settings).reshape(*shape, N.size)
         data |= _share("latched", count, size, along)
     if requirements:
         named["requirement"] = [required.name for required in requirements]
@@ -214,10 +214,11 @@ def _amplitudes(N, first):
     return np.append(below, high)  # `geometric` may round the last digit of the end
 
 
-def _share(name, count, size, dims):
-    """A share of samples with its bounds."""
-    bounds = ("bound", *dims), np.stack(wilson(count, size))
-    return {name: (dims, count / size), f"{name}_bound": bounds}
+def _share(name, count, size, dims, unsure=0.0):
+    """A share of samples with its bounds; unsure: how many may count or not, beside the count."""
+    bounds = np.stack([wilson(count, size)[0], wilson(count + unsure, size)[1]])
+    share = (count + unsure / 2) / size
+    return {name: (dims, share), f"{name}_bound": (("bound", *dims), bounds)}
 
 
 def _requirements(batches, study, requirements, C, tolerance):
@@ -238,7 +239,8 @@ def _requirements(batches, study, requirements, C, tolerance):
         worst = np.maximum if required.snaps in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))
         meets.append(np.all(met, axis=0))
-    meets, along = np.array(meets), ("requirement", "C")
+    sure, possible = np.moveaxis(np.array(meets), 1, 0)
+    along = "requirement", "C"
     must = [SNAPS[required.snaps] for required in requirements]
     data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
@@ -246,8 +248,10 @@ def _requirements(batches, study, requirements, C, tolerance):
         "f0_required": ("requirement", np.array([required.f0 for required in requirements], float)),
         "must_snap": ("requirement", np.array(must, np.int8)),
     }
-    data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
-    weight = meets.all(axis=0).astype(float)  # probability that a sample meets all
+    count = sure.sum(axis=1)
+    data |= _share("share_meeting", count, sure.shape[1], along, possible.sum(axis=1) - count)
+    # Probabilities that a sample surely and possibly meets all.
+    weight = np.array([sure.all(axis=0), possible.all(axis=0)], float)
     if study.device.strength < np.inf and all(batch.size for batch in batches):
         largest = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
         followed = np.flatnonzero(np.isfinite(largest).all(axis=(0, 2)))
@@ -257,9 +261,10 @@ def _requirements(batches, study, requirements, C, tolerance):
         data |= _share("share_breaking", broken, followed.size, along)
         survives = [required.survives > 0 for required in requirements]
         most = stress[survives].max(axis=0, initial=0.0)
-        weight[followed] *= 1 - break_probability(study.device, most)
-        weight = weight[: followed.max(initial=-1) + 1]
-    return data | _share("yield", weight.sum(axis=0), len(weight), ("C",))
+        weight[:, followed] *= 1 - break_probability(study.device, most)
+        weight = weight[:, : followed.max(initial=-1) + 1]
+    least, most = weight.sum(axis=1)
+    return data | _share("yield", least, weight.shape[1], ("C",), most - least)
 
 
 def _stresses(batch, study, requirements, C):
