@@ -82,7 +82,8 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
 
 RATIO = 9.81
 IN_G = f"""{THREE_COSINES}
-sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um], horizon: 100 us, until: snap}}
+sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um]}}
+run: {{horizon: 100 us, until: snap}}
 requirements:
   - {{name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}}
   - {{name: fall, drop: {{height: 3 mm, shape: half sine, duration: 0.05 ms}}, snaps: false}}
@@ -105,7 +106,7 @@ def studies():
 def test_another_unit_of_N_changes_no_verdict_and_no_margin(studies):
     def judged(study):
         required, C = study.requests["requirements"], [25.0]
-        return [row for each in required for row, _ in each.check(study.of_thresholds(), C)]
+        return [row for each in required for row in each.check(study.of_thresholds(), C)]
 
     in_g, in_m_s2 = map(judged, studies)
     assert {row.verdict for row in in_g} >= {"met", "failed"}

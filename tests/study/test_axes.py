@@ -68,13 +68,13 @@ def document(**sweep):
 def test_a_study_names_the_point_that_cannot_be():
     with pytest.raises(ValueError, match=r"^sweep: thickness = 4 um: device.beam: "):
         load_config(document(thickness=["1.9 um", "4 um"]))
-    study = load_config(document(thickness=["1.9 um", "4 um"], not_bistable="skip"))
+    study = load_config(document(thickness=["1.9 um", "4 um"]) | {"skip": True})
     assert study.grid.device_of.tolist() == [0, -1]
 
 
 def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 2e-4)
-    whole = document(thickness=["1.8 um", "1.9 um", "4 um"], not_bistable="skip")
+    whole = document(thickness=["1.8 um", "1.9 um", "4 um"]) | {"skip": True}
     whole |= {"model": {"name": "cosines", "modes": 3}}
     study = load_config(whole)
     slabs = make_plan(study).slabs

@@ -21,13 +21,13 @@ from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
 
-STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
+STUDY = THREE_COSINES + "run: {horizon: 200 us, until: snap}"
 
 
 def study(N, f0, C=(25.0,), model="cosines"):
     """A study of values in multiples of g, Hz and uN us/um."""
     document = yaml.safe_load(STUDY)
-    document["sweep"] |= {
+    document["sweep"] = {
         "N": [float(value) for value in N],
         "f0": [f"{value!r} Hz" for value in map(float, f0)],
         "C": [f"{value!r} uN*us/um" for value in map(float, C)],

@@ -11,10 +11,9 @@ from varied import varied
 
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
-from snapmap.applications.requirements import shocks_of
+from snapmap.applications.requirements import application, shocks_of
 from snapmap.applications.requirements.check import check
-from snapmap.applications.requirements.corners import read_verdicts
-from snapmap.applications.requirements.verdicts import write_verdicts
+from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
@@ -95,7 +94,8 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
 def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
-    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"], "horizon": "4 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "4 ms"}
     crash = {"shape": "half sine", "direction": "both", "N": 2320, "f0": "8 kHz", "snaps": True}
     document["requirements"] = [
         crash | {"name": "crash"},
@@ -104,15 +104,15 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
     ]
     study, path = load_config(document), tmp_path / "requirements.csv"
     with pytest.warns(UserWarning, match="the mass travels") as warned:
-        write_verdicts(study, study.requests["requirements"], str(path))
+        application.run(study, path)
     (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]
     rows = read_verdicts(path)
-    far = [row["requirement"] for row in rows if row["travel_over_rise"] > 5]
+    far = [row.requirement for row in rows if row.travel_over_rise > 5]
     assert far and f" in {len(far)} of {len(rows)} rows, of {', '.join(dict.fromkeys(far))}" in line
     words = capsys.readouterr().out
     assert "failed: crash" in words and "arrives and returns" in words
-    assert {row["must_snap"] for row in rows} == {True, "arrives"}
-    least = min(row["share_staying"] for row in rows if row["requirement"] == "crash")
+    assert {row.must_snap for row in rows} == {True, "arrives"}
+    least = min(row.share_staying for row in rows if row.requirement == "crash")
     assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
     assert least == 0.0 and _worst("no such", rows) == ""
 
@@ -120,7 +120,8 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
 def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["contact_at"] = "-5 um"
-    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "1 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "1 ms"}
     crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
     document["requirements"] = [
         crash | {"name": "closes", "closes_within": "1 ms"},

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..solver.models import Follows
     from ..solver.settings import Run
     from ..study.study import Study
+    from .requirements.verdict import Verdict
 else:
     Config = Any  # itself it imports the applications
 
@@ -114,6 +115,10 @@ class Application:
         """f0 (Hz) of the single cells that it simulates beside the grid."""
         return ()
 
+    def counts(self, study: Config) -> Mapping[str, int]:
+        """How much it computes, by the words of `workflow.cost.RUNS`."""
+        return {}
+
     # What it makes.
 
     def outputs(self, study: Config) -> Files:
@@ -136,10 +141,6 @@ class Application:
         """
         raise NotImplementedError
 
-    def cost(self, study: Config) -> float:
-        """Core time of its job, s, if `snapmap check` should tell it."""
-        return 0.0
-
     # What it adds to files of others.
 
     def observe(
@@ -147,10 +148,6 @@ class Application:
     ) -> Mapping[str, np.ndarray]:
         """Floats that it adds to the cells of a cube, by name."""
         return {}
-
-    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
-        """Core time that `observe` takes for each cell, s."""
-        return 0.0
 
     def in_history(self, model: Follows, cells: Cells, settings: Run) -> Mapping[str, Any]:
         """Attributes that it adds to the history of a cell."""
@@ -170,8 +167,8 @@ class Application:
         """
         return {}
 
-    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> Sequence[str]:
-        """Tables that it adds to a data sheet; rows: verdicts, worst first."""
+    def in_datasheet(self, study: Study, verdicts: Sequence[Verdict]) -> Sequence[str]:
+        """Tables that it adds to a data sheet; verdicts: worst first."""
         return ()
 
     # What it draws.

@@ -20,7 +20,6 @@ from ..values.reading import read
 from ..values.records import assemble, record
 from .kinds import Amplitudes, StudyPath
 from .measured_shape import read_shape
-from .renamed import renew
 from .yaml_file import read_document
 
 AS_MEASURED = 0.1
@@ -181,7 +180,6 @@ def load_device(source: Source) -> Device:
     """
     is_section = isinstance(source, Mapping)
     document = {"device": source} if is_section else read_document(source)
-    document, _ = renew(document)
     if "device" not in document:
         raise Faults("device: missing; write a mapping: the beam, the mass and what they meet")
     section = read(DeviceSection, document["device"], "device")

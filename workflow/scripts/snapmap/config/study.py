@@ -24,7 +24,6 @@ from ..values.units import spelling_of
 from .devices import nominal
 from .document import Document
 from .measured_shape import PROFILE
-from .renamed import renew
 from .views import View, choose_curves, choose_maps, frequency_of, read_places
 
 AXES = *VALUES, *SHOCK_AXES
@@ -48,7 +47,6 @@ class Config(Study):
     title: head of the data sheet
     written: sections of the devices by name, as the config has them
     source: the whole config, as it was read
-    renamed: lines on keys of an older version
     units: units in which the config has the axes of device and C
     """
 
@@ -64,7 +62,6 @@ class Config(Study):
     title: str
     written: dict[str, Mapping]
     source: Mapping
-    renamed: list[str]
     units: Units
 
     @property
@@ -107,9 +104,8 @@ def planned_study(document: Mapping, threads: int) -> Config:
 
 def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; Faults have a line for each fault."""
-    source, renamed = renew(document)
-    with damper_in(_unit_of_C(source)):
-        return _convert(source, renamed)
+    with damper_in(_unit_of_C(document)):
+        return _convert(document)
 
 
 def _unit_of_C(source):
@@ -121,7 +117,7 @@ def _unit_of_C(source):
     return laws.unit_of_C if laws else INTERNAL
 
 
-def _convert(source, renamed):
+def _convert(source):
     parts, faults = read(Document, source), _Faults()
     named = {name: section.made for name, section in parts.by_name.items()}
     device = named if parts.devices else named["device"]
@@ -164,7 +160,6 @@ def _convert(source, renamed):
         title=parts.title or "",
         written=source.get("devices") or {"device": source["device"]},
         source=source,
-        renamed=renamed,
         units={key: _unit(key, source["sweep"][key]) for key in DESIGN if key in source["sweep"]},
     )
     for name, application in attached().items():
@@ -181,9 +176,8 @@ def _follows_laws(name, chosen):
 
     The three laws are those of the device's own forces, and `reference` is too slow for most.
     """
-    laws = chosen.laws
-    if not laws or laws.solver:
-        return not laws
+    if not chosen.laws:
+        return True
     return name == "histories" if chosen.name == "reference" else name != "laws"
 
 

@@ -1,6 +1,6 @@
 """How a cell is simulated: a model by its name, with its options."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from typing_extensions import TypeAliasType
@@ -13,7 +13,7 @@ from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.reading import read_part
 from ..values.records import build, record, told
-from .laws import UNIT, Law, Laws, UserLaws, compile_laws, keeping
+from .laws import UNIT, Law, Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -100,8 +100,6 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-    solver: Law | None = None,
-    kept: str = "",
 ) -> Reference:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
@@ -117,11 +115,6 @@ def reference(
     force
         Function (displacement) that returns the force that holds the midpoint, uN; by default that
         of the beam.
-    solver
-        Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
-    kept
-        File that keeps each run of the solver in a line, so that no call makes it again. The solver
-        must then be a function in a file; after an edit of that file all runs are made anew.
 
     Returns
     -------
@@ -131,7 +124,7 @@ def reference(
     Raises
     ------
     ValueError
-        One line: numba cannot compile a law, there is no law, or a solver stands beside laws.
+        One line: numba cannot compile a law, or there is no law.
 
     Examples
     --------
@@ -141,9 +134,7 @@ def reference(
     >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
     'snapped'
     """
-    given = {"damping": damping, "contact": contact, "force": force, "solver": solver}
-    laws = compile_laws(given)
-    return Reference(laws=keeping(laws, kept) if kept else laws)
+    return Reference(laws=compile_laws({"damping": damping, "contact": contact, "force": force}))
 
 
 Chosen = Auto | Cosines | Elements | Reference
@@ -151,9 +142,9 @@ MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
 
 
 class ModelKind(Kind):
-    """A model: its name, a mapping of name and options, a record, or a solver of one's own."""
+    """A model: its name, a mapping of name and options, or a record."""
 
-    need = f"one of {', '.join(MODELS)}, what reference makes, or a solver of your own"
+    need = f"one of {', '.join(MODELS)}, or what reference makes"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
@@ -165,8 +156,6 @@ class ModelKind(Kind):
             return Reference(laws=value)
         if isinstance(value, Mapping):
             return build(self._named(value, show), value)
-        if callable(value) and not isinstance(value, type):
-            return reference(solver=value)
         if not isinstance(value, str) or value not in MODELS:
             raise ValueError(f"{show(value)} is not {self.need}")
         return MODELS[value]()
@@ -200,7 +189,7 @@ class ModelKind(Kind):
         return made
 
 
-Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping | Callable, ModelKind()])
+Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping, ModelKind()])
 
 
 def section_of(chosen: Chosen) -> dict[str, object]:

@@ -56,14 +56,18 @@ def provenance(document: Mapping) -> dict[str, str]:
     }
 
 
+def config_of(attributes: Mapping[str, str]) -> dict:
+    """Give the config in the attributes of a product; empty without one."""
+    return json.loads(attributes.get("config", "{}"))
+
+
 def unit_of_C(attributes: Mapping[str, str]) -> str:
     """Give the unit of C, as a config spells it, by the attributes of a product.
 
     What checks the product tells of a `config` that is not JSON.
     """
     with suppress(ValueError):
-        model = json.loads(attributes.get("config", "{}")).get("model", {})
-        return model.get("unit_of_C", INTERNAL)
+        return config_of(attributes).get("model", {}).get("unit_of_C", INTERNAL)
     return INTERNAL
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ...solver.models import Follows
     from ...solver.settings import Run
     from ...study.study import Study
+    from ..requirements.verdict import Verdict
 
 
 class Electrode(Application):
@@ -42,16 +43,6 @@ class Electrode(Application):
             return {}
         return closures_again(model, cells, observed, settings)
 
-    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
-        """The core time of two more runs of each cell, s; 0 without an electrode."""
-        from ...solver.cost import steps_and_seconds
-        from ...solver.outcome import REPEATED_STEP
-
-        if not model.device.has_electrode.any():
-            return 0.0
-        moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
-        return (1 + 1 / REPEATED_STEP) * moved
-
     def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, Any]:
         """The place of the electrode, and the closures of a cell; empty without an electrode."""
         from .closures import follow_closures
@@ -74,11 +65,11 @@ class Electrode(Application):
         # np.maximum keeps NaN.
         return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
 
-    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> list[str]:
+    def in_datasheet(self, study: Study, verdicts: Sequence[Verdict]) -> list[str]:
         """A table of the closures under the worst corner of each required shock."""
         from .sheet import sections
 
-        return sections(study, rows)
+        return sections(study, verdicts)
 
 
 application = Electrode()

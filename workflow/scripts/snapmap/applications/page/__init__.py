@@ -34,7 +34,7 @@ class Page(Application):
         from ...study.netcdf import open_whole
         from ...study.provenance import unit_of_C
         from ...values.damper import damper_in
-        from ..requirements.corners import read_verdicts
+        from ..requirements.verdict import read_verdicts
         from .figure import page  # brings Plotly
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()

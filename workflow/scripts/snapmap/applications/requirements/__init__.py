@@ -75,12 +75,10 @@ class Requirements(Application):
             marks.append(Mark(shock.name, shock.f0, shock.N, pushed))
         return marks
 
-    def cost(self, study: Config) -> float:
-        """Approximate core time of the verdicts on shocks, s."""
-        from .forecast import judged_seconds
-
-        where = study.axes["C"].tolist(), study.temperatures
-        return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
+    def counts(self, study: Config) -> dict[str, int]:
+        """Verdicts, one for each corner of each requirement."""
+        corners = len(study.devices()) * study.axes["C"].size * len(study.temperatures)
+        return {"verdicts": corners * len(study.requests["requirements"])}
 
     def outputs(self, study: Config) -> Files:
         """The table of verdicts."""
@@ -98,9 +96,14 @@ class Requirements(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
-        from .verdicts import write_verdicts
+        from .summary import sum_up
+        from .verdict import write_verdicts
 
-        write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
+        study, requirements = study.of_thresholds(), study.requests["requirements"]
+        C = study.axes["C"].tolist()
+        verdicts = [verdict for required in requirements for verdict in required.check(study, C)]
+        write_verdicts(verdicts, path)
+        print(f"{path}: {sum_up(study, requirements, verdicts)}")
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""
@@ -110,8 +113,8 @@ class Requirements(Application):
         """Draw the margin of each requirement, a row for each worst corner."""
         from ...figures import style
         from ...values.damper import damper_in
-        from .corners import corners, read_verdicts
         from .figure import draw_margins
+        from .verdict import corners, read_verdicts
 
         verdicts = read_verdicts(files["requirements"])
         attributes = {"title": "Margins of required shocks"}
