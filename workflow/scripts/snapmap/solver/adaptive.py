@@ -66,8 +66,10 @@ class Adaptive:
 
         A cell is safe if its ledger closes and no label changes near it along N. Others are decided
         by top, in the steps of EDGE; this repeats until no new cell is unsafe. The end of each cell
-        that snaps is that of a run of top.
+        that snaps is that of a run of check.
         """
+        if settings.until == "end":
+            return self.check.follow(cells, settings)
         # A run without cells compiles the kernel that takes longest first, while a job of
         # thresholds beside this one compiles that of base.
         none = cells.take(np.zeros(0, int)).flat()
@@ -92,8 +94,7 @@ class Adaptive:
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
         if settings.until == "settled":
-            observed = with_ends(observed, self.top, cells, settings)
-            level[np.isfinite(observed.t_snap)] = 1
+            observed = with_ends(observed, self, cells, settings)
         return observed._replace(level=level, agreed=agreed)
 
 
@@ -127,11 +128,6 @@ class Survey(NamedTuple):
     def levels(self) -> tuple["Survey", ...]:
         """This survey and finer ones, by the `level` of their thresholds."""
         return self, *(self.finer.levels if self.finer else ())
-
-    @property
-    def ends(self) -> Follows:
-        """The model that tells where beams end, the finest one in the steps of maps."""
-        return self.levels[-1].ragged
 
 
 def choose_model(device: Device, chosen: Chosen, start: str = FIRST) -> Follows | Adaptive:

@@ -141,7 +141,7 @@ def _find_latched(search, columns):
     # whole run may not snap where those of a run to the snap do.
     low = first + np.where(ragged == 0, error, 0.0)
     low = np.where(low <= top, low, np.nan)
-    latched = lowest_latched(search.take(exists).probe(search.models.ends), low, top)
+    latched = lowest_latched(search.take(exists).probe(search.models.decides), low, top)
     N_latched = np.full(exists.size, np.nan)
     N_latched[exists] = np.where(latched == low, first, latched)
     return N_latched
