@@ -26,22 +26,26 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.shock, "written": study.written}
-        return {"explore": shown | {"horizon": study.run.horizon, "required": required}}
+        shown |= {"horizon": study.run.horizon, "required": required}
+        return {"explore": shown | {"own_points": list(study.own_points)}}
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""
+        from ...config.points import read_points
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
         from ...study.provenance import unit_of_C
         from ...values.damper import damper_in
         from ..requirements.verdict import read_verdicts
-        from .figure import page  # brings Plotly
+        from .figure import page
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
         with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
             for name, shown in figures.items():
+                own = shown["own_points"]
+                points = read_points(*own) if own else ()
                 with damper_in(unit_of_C(cube.attrs)):
-                    text = page(cube, thresholds, shown, verdicts)
+                    text = page(cube, thresholds, shown, verdicts, points)
                 write_text(text, f"{folder}/{name}.html")
 
 
