@@ -68,8 +68,6 @@ class Adaptive:
         by top, in the steps of EDGE; this repeats until no new cell is unsafe. The end of each cell
         that snaps is that of a run of check.
         """
-        if settings.until == "end":
-            return self.check.follow(cells, settings)
         # A run without cells compiles the kernel that takes longest first, while a job of
         # thresholds beside this one compiles that of base.
         none = cells.take(np.zeros(0, int)).flat()
@@ -94,7 +92,7 @@ class Adaptive:
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
         if settings.until == "settled":
-            observed = with_ends(observed, self, cells, settings)
+            observed = with_ends(observed, self.check, cells, settings)
         return observed._replace(level=level, agreed=agreed)
 
 

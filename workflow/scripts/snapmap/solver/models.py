@@ -165,7 +165,7 @@ class Model:
 def with_ends(
     observed: Observations, model: "Follows", cells: Cells, settings: Run
 ) -> Observations:
-    """Follow the cells that snap again, from the start to their end, in the steps of STAY.
+    """Follow the cells that snap again, from the start to their end, by a model in steps of STAY.
 
     observed: runs to the snap, of the cells' shape, which keep their `t_snap`
     Where the second run does not snap, as may be near a threshold, the end stays unknown.
