@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -15,14 +16,12 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
-from .solver.settings import Run
+from .solver.settings import FIRST, Run
 from .study.provenance import unit_of_C
 from .study.study import Study
 from .values import calls
 from .values.damper import damper_in
 
-OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow the laws of `reference`, which is slow."""
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
     **{
@@ -41,8 +40,22 @@ def checked(function: Callable) -> Callable:
     """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(function, ELSEWHERE, _prepare, _with_its_damper)
+    call = calls.checked(_at_home(function), ELSEWHERE, _prepare, _with_its_damper)
     call.__module__ = __package__  # by which it is pickled
+    return call
+
+
+def _at_home(function):
+    """Let a function run under numpy's and xarray's own settings, whatever its caller's are."""
+
+    @functools.wraps(function)
+    def call(**values):
+        xarray = sys.modules.get("xarray")
+        own = {"keep_attrs": "default", "arithmetic_join": "inner"}
+        settings = xarray.set_options(**own) if xarray else nullcontext()
+        with settings, np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
+            return function(**values)
+
     return call
 
 
@@ -74,10 +87,6 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
     if study is None:
         yield
         return
-    laws = study.model.laws
-    if laws and study.model.name == "reference" and function.__name__ not in OF_LAWS:
-        line = f"model.laws: of reference work only with {', '.join(OF_LAWS)}"
-        raise ValueError(f"{line}; write a model elements or cosines")
     for line in _doubts(study, values):
         warnings.warn(line, stacklevel=4)
     with counting(function.__name__):
@@ -88,8 +97,7 @@ def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
     yield from unusual_runs(horizon=study.run.horizon, **({} if N is None else {"N": N}))
-    for pulse in study.shocks.shapes.values():
-        yield from (f"{pulse.name}: {note}" for note in pulse.notes)
+    yield from study.shocks.doubts(is_pressed=study.run.start == FIRST)
     C, f0 = (values.get(key) for key in ("C", "f0"))
     for single in study.devices().values():
         alone = batch([single])

@@ -12,6 +12,7 @@ from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
 from ..files.text import plain
+from ..solver.settings import FIRST
 from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
@@ -67,10 +68,12 @@ def doubts(study: Config) -> list[str]:
         if "temperature" in axes and not any(slopes):
             remarks.append(f"temperature: {IDLE}")
         lines += [f"{name}: {line}" for line in remarks if line]
-    shaking = [(pulse, axes["f0"][-1]) for pulse in study.shocks.shapes.values()]
-    shaking += [pair for part in attached().values() for pair in part.records(study)]
-    for pulse, f0 in shaking:
-        lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
+    shaking = [(study.shocks, axes["f0"][-1], study.run.start)]
+    shaking += [record for part in attached().values() for record in part.records(study)]
+    for shocks, f0, start in shaking:
+        lines += shocks.doubts(is_pressed=start == FIRST)
+        for pulse in shocks.shapes.values():
+            lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
     lines += [line for part in attached().values() for line in part.doubts(study)]

@@ -37,7 +37,6 @@ class Config(Study):
     """A study with the cells of its sweep, and the requests for all its products.
 
     grid: all points of the axes, each ascending
-    shock: section of the pulse, in internal units, with the SHA-256 of a record
     requests: request to each application, by the name of its folder; false for no request
     threshold_tolerance: relative refinement of the thresholds in N
     maps, curves: figures of cells and of thresholds
@@ -51,7 +50,6 @@ class Config(Study):
     """
 
     grid: Grid
-    shock: dict
     requests: dict[str, Any]
     threshold_tolerance: float
     maps: tuple[View, ...]
@@ -79,7 +77,7 @@ class Config(Study):
 
         keys: names of the settings to include; all by default
         """
-        return self.document(keys) | {"pulse": self.shock}
+        return self.document(keys) | {"pulse": self.shocks.values()}
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
@@ -87,7 +85,7 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that the config names, as it was read, by path."""
-        recorded = {self.shock["file"]: self.shock["sha256"]} if "file" in self.shock else {}
+        recorded = self.shocks.files
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
         laws = self.model.laws
@@ -145,7 +143,6 @@ def _convert(source):
         device=device,
         **how,
         grid=grid,
-        shock=parts.pulse.values() if parts.pulse else {},
         requests={},
         threshold_tolerance=parts.sweep.threshold_tolerance,
         maps=chosen,
@@ -174,11 +171,9 @@ def _convert(source):
 def _follows_laws(name, chosen):
     """Tell whether an application can follow a model, which may have a user's own laws.
 
-    The three laws are those of the device's own forces, and `reference` is too slow for most.
+    The three laws of a switch are those of the device's own forces.
     """
-    if not chosen.laws:
-        return True
-    return name == "histories" if chosen.name == "reference" else name != "laws"
+    return not chosen.laws or name != "laws"
 
 
 class _Faults(list):

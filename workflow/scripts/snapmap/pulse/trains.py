@@ -13,7 +13,7 @@ from ..values.faults import at_key
 from ..values.kinds import Kind, Single, Whole
 from ..values.quantities import Height, PulseTime
 from ..values.records import build, record, told
-from .pulse import Form, G, Pulse
+from .pulse import Form, G, Pulse, ShapeName
 
 # ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
@@ -50,6 +50,9 @@ Rebound = TypeAliasType(
 class Blow(Form):
     """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
 
+    shape: ShapeName | None = None
+    """how the acceleration goes over time; a versed sine, or for a requirement as in `pulse`, if
+    left out"""
     _: KW_ONLY
     N: Peak = 1.0
     """peak relative to other blows, below 0 for the other direction"""
@@ -75,6 +78,9 @@ class Blow(Form):
 class Drop(Form):
     """A free fall, its blow, and the rebounds."""
 
+    shape: ShapeName | None = None
+    """how the acceleration of a blow goes over time; a versed sine, or for a requirement as in
+    `pulse`, if left out"""
     _: KW_ONLY
     height: Height
     """height of the free fall"""

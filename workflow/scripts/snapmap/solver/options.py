@@ -13,7 +13,7 @@ from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.reading import read_part
 from ..values.records import build, record, told
-from .laws import UNIT, Law, Laws, UserLaws, compile_laws
+from .laws import UNIT, UserLaws
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -90,51 +90,10 @@ class Reference:
 
     elements: Count = 5
     """number of elements on the half beam"""
-    laws: UserLaws | None = None
-    """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["reference"] = "reference"
     """the model"""
 
-
-def reference(
-    damping: Law | None = None,
-    contact: Law | None = None,
-    force: Law | None = None,
-) -> Reference:
-    """Make a model `reference` with your own laws, for sweep, threshold and simulate.
-
-    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
-
-    Parameters
-    ----------
-    damping
-        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
-    contact
-        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
-        stiffness times overlap.
-    force
-        Function (displacement) that returns the force that holds the midpoint, uN; by default that
-        of the beam.
-
-    Returns
-    -------
-    Reference
-        The model, for `Study(device, model=...)`.
-
-    Raises
-    ------
-    ValueError
-        One line: numba cannot compile a law, or there is no law.
-
-    Examples
-    --------
-    >>> device = snapmap.load_device("config/config.yaml")
-    >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
-    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
-    'snapped'
-    """
-    return Reference(laws=compile_laws({"damping": damping, "contact": contact, "force": force}))
+    laws = None
 
 
 Chosen = Auto | Cosines | Elements | Reference
@@ -144,7 +103,7 @@ MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
 class ModelKind(Kind):
     """A model: its name, a mapping of name and options, or a record."""
 
-    need = f"one of {', '.join(MODELS)}, or what reference makes"
+    need = f"one of {', '.join(MODELS)}"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
@@ -152,8 +111,6 @@ class ModelKind(Kind):
         """Give the record of a value of Python."""
         if isinstance(value, Chosen):
             return value
-        if isinstance(value, Laws):
-            return Reference(laws=value)
         if isinstance(value, Mapping):
             return build(self._named(value, show), value)
         if not isinstance(value, str) or value not in MODELS:
@@ -184,8 +141,8 @@ class ModelKind(Kind):
         if value["name"] not in [*MODELS]:
             raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
         made = MODELS[value["name"]]
-        if made is Auto and "laws" in value:
-            raise ValueError(".laws: auto takes none; write name: elements, or cosines")
+        if made in (Auto, Reference) and "laws" in value:
+            raise ValueError(f".laws: {made.name} takes none; write name: elements, or cosines")
         return made
 
 

@@ -13,7 +13,7 @@ from ..pulse.shocks import Directions, Pulses
 from ..solver.settings import STARTS
 from ..values.faults import at_key
 from ..values.kinds import Fitting, Kind, Quantity, Several, Word, kind_of
-from ..values.quantities import Frequency, Positive, Truth
+from ..values.quantities import Frequency, Positive, Share, Truth
 from .axes import KIND_OF
 from .study import ANY, ARRIVES, DevicesKind, Study
 
@@ -98,6 +98,8 @@ OF_REQUIREMENT = {
     "direction": kind_of(Directions),
     "start": Word(STARTS),
     "survives": kind_of(Truth),
+    "share": kind_of(Share),
+    "confidence": kind_of(Share),
 }
 """Kind of each value of a requirement."""
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from ..numerics.statistics import CONFIDENCE
 from ..pulse.shocks import Shocks, make_shocks
 from ..solver.settings import FIRST
 from .study import Study
@@ -15,6 +16,7 @@ class Shock:
     N: multiples of g; f0: Hz; shocks: shapes and directions, under each of which it counts
     snaps: true (the beam must arrive and stay), false, ARRIVES, or ANY
     survives: least probability that the beam must not break; start: as in `Run`
+    share: least share of a batch that must meet it, with this confidence; 0 if none is asked
     """
 
     name: str
@@ -24,6 +26,8 @@ class Shock:
     snaps: bool | str
     survives: float = 1.0
     start: str = FIRST
+    share: float = 0.0
+    confidence: float = CONFIDENCE
 
     def shaken(self, study: Study) -> Study:
         """Give a study under this shock, with its own pulses and start."""

@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 from ...pulse.pulse import Pulse, straight
 from ...values.kinds import Whole
 from ...values.quantities import Value
-from .pairs import Points
+from .pairs import DENSITIES, Points
 
 REACH = 0.01
 """Default probability of a snap within the duration of the vibration."""
@@ -23,7 +23,7 @@ MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
 Density = TypeAliasType(
-    "Density", Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
+    "Density", Annotated[Value, Points("density", DENSITIES, "[(20, 0.04), (2000, 0.04)]")]
 )
 Records = TypeAliasType("Records", Annotated[int, Whole(1, 10_000)])
 

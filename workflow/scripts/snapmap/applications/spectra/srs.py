@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 from ...values.quantities import Value
-from .pairs import Points
+from .pairs import LEVELS, Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
@@ -70,7 +70,7 @@ def frequencies(points: Sequence[Sequence[float]]) -> np.ndarray:
 
 
 Levels = TypeAliasType(
-    "Levels", Annotated[Value, Points("level", "g", "[(500, 700), (2000, 1500)]")]
+    "Levels", Annotated[Value, Points("level", LEVELS, "[(500, 700), (2000, 1500)]")]
 )
 
 
