@@ -9,10 +9,11 @@ from ..values.records import assemble, record
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
 does it stay, how does it move."""
-QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
-"""The question of a run, by `until`. The solver knows three words beside those of `Run`: "edge" is
-"snap" in the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, and
-"moved" is "settled" in the steps that the motion needs, and does not jump over quiet time."""
+SHOWN = "shown"
+QUESTION = dict(settled=STAY, snap=SNAP, edge=EDGE, pulse=SNAP, moved=MOVE, shown=MOVE)
+"""The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" is
+"snap" in the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, "moved"
+is "settled" in the steps that the motion needs, and "shown" is "moved" with all quiet time."""
 FIRST, SECOND = STARTS = ("first", "second")
 """The shape in which the beam rests at first; it snaps when it arrives at the other."""
 THRESHOLD_TOLERANCE = 1e-4
