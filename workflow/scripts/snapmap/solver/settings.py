@@ -1,5 +1,6 @@
 """Settings of the runs of a study."""
 
+from functools import lru_cache
 from typing import Literal
 
 from ..values.quantities import Duration, Fraction, Threads, Truth
@@ -57,7 +58,7 @@ class Run:
 
     def but(self, **values: object) -> "Run":
         """Return the same with other values; `until` may be any word of QUESTION."""
-        return assemble(Run, {**vars(self), **values})
+        return _with(self, tuple(values.items()))
 
     def section(self) -> dict:
         """Return the section of a config, in a unique spelling, without threads."""
@@ -65,3 +66,9 @@ class Run:
         if self.start == FIRST:
             del values["start"]
         return values | {"horizon": f"{self.horizon:.15g} us"}
+
+
+@lru_cache(maxsize=64)
+def _with(run, changes):
+    """Assemble settings with other values once, as each call of a search asks for the same."""
+    return assemble(Run, vars(run) | dict(changes))

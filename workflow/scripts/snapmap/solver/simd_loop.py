@@ -21,6 +21,8 @@ from .settings import FIRST, SHOWN, Run
 
 WINDOW = 64 * BLOCK
 """Most steps whose records are in memory at once."""
+MODELS = 16
+"""Most models whose coefficients are kept: the levels and steps of the search for a threshold."""
 
 
 def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
@@ -51,9 +53,9 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     return facts
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=MODELS)
 def _coefficients(model, start):
-    """Return `coefficients` of runs that may snap, and keep them for the next call of a batch."""
+    """Return `coefficients` of runs that may snap, and keep them for the next calls of a batch."""
     return coefficients(model, model.snap_target(start), start)
 
 
