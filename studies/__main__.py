@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 NAMES = (
-    *("accuracy", "stability", "steps", "coverage", "motion", "tolerances"),
+    *("accuracy", "stability", "steps", "coverage", "ends", "motion", "tolerances"),
     *("convergence", "labels", "validation", "measured", "laws", "laws_speed", "peers"),
     *("clamps", "limits", "islands", "calibration", "impacts"),
 )

@@ -21,6 +21,8 @@ from .settings import FIRST, SHOWN, Run
 
 WINDOW = 64 * BLOCK
 """Most steps whose records are in memory at once."""
+MODELS = 16
+"""Most models whose coefficients are kept: the levels and steps of the search for a threshold."""
 
 
 def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
@@ -40,8 +42,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         damping=cells.damping,
         t_end=cells.t_end,
         dt=dt,
-        stop_at_snap=settings.until in ("snap", "edge", "pulse"),
-        stop_after_pulse=settings.until == "pulse",
+        stop_at_snap=settings.until in ("snap", "edge"),
         jumps=settings.until != SHOWN and may_jump(model, cells),
         tolerance=settings.energy_tolerance,
         facts=facts,
@@ -52,9 +53,9 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     return facts
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=MODELS)
 def _coefficients(model, start):
-    """Return `coefficients` of runs that may snap, and keep them for the next call of a batch."""
+    """Return `coefficients` of runs that may snap, and keep them for the next calls of a batch."""
     return coefficients(model, model.snap_target(start), start)
 
 

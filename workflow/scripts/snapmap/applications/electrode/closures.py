@@ -106,12 +106,13 @@ def _follow(model, cells, window, settings):
 def closures_again(
     model: Follows, cells: Cells, observed: Observations, settings: Run
 ) -> dict[str, np.ndarray]:
-    """Follow cells of any shape again, each at the level and the step that decided it.
+    """Follow cells of any shape again: those that snap at the finest level, others at their own.
 
     Returns CLOSING as `follow_closures` does, in the shape of the cells; NaN for failed cells.
     """
     flat, size, shape = cells.flat(), len(model.device), np.shape(cells.f0)
     level = np.zeros(shape, np.int8) if observed.level is None else observed.level
+    level = np.where(np.isfinite(observed.t_snap), len(model.levels) - 1, level)
     decided = np.stack([level.ravel(), observed.halvings.ravel()])
     observed = observed.shaped((flat.f0.size,))
     place = np.broadcast_to(model.device.contact_at, size)[flat.device]

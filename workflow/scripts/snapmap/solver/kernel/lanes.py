@@ -47,7 +47,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
-    stop_at_snap, stop_after_pulse: whether a run ends there too
+    stop_at_snap: whether a run ends there too
     jumps: whether runs leave out quiet time (`quiet`)
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -62,7 +62,6 @@ class Task(NamedTuple):
     t_end: np.ndarray
     dt: np.ndarray
     stop_at_snap: bool
-    stop_after_pulse: bool
     jumps: bool
     tolerance: float
     facts: Facts
@@ -166,7 +165,6 @@ def check_lane(
     in_pulse = steps - 1 < state.lasts[l]
     stopped = snapped and task.stop_at_snap
     ended = steps * dt > task.t_end[cell] or not np.isfinite(X[R.Y, l]) or stopped
-    ended |= task.stop_after_pulse and not in_pulse
     if in_pulse and not ended:
         return False
 
