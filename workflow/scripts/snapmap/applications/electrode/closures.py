@@ -87,11 +87,11 @@ def _follow(model, cells, window, settings):
     def follow(these):
         level, instants = ways[these], [[] for _ in these]
         last = at_start[these][np.newaxis]  # half a step before the start
-        group = cells.take(these), dt[these], steps[these].max()
-        for first, w in simd_loop.midpoints(model, *group, start):
+        group = cells.take(these), dt[these], steps[these], start
+        for first, (w, _) in simd_loop.watch(model, *group):
             w = np.concatenate([last, w])
             for column, place in zip(*passages(w, level), strict=True):
-                instants[column].append(float((first + place - 0.5) * dt[these[column]]))
+                instants[column].append(float((first[column] + place - 0.5) * dt[these[column]]))
             last = w[-1:]
         for i, cell in enumerate(these):
             # A lane runs on beside a longer one.
