@@ -4,6 +4,7 @@ import os
 import sys
 from contextlib import suppress
 from functools import partial
+from graphlib import TopologicalSorter
 from inspect import getfile
 from pathlib import Path
 
