@@ -98,7 +98,7 @@ def delete(rng, section, path):
 def rename(rng, section, path):
     new = rng.choice([f"{path[-1].upper()}s", f" {path[-1]}", 1, None, "é" * 300])
     section[new] = section[path[-1]]
-    return [*delete(rng, section, path), (name_of(path[:-1]), "unknown key; known here are ")]
+    return [*delete(rng, section, path), (name_of(path[:-1]), "unknown key; ")]
 
 
 def flatten(rng, section, path):

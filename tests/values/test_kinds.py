@@ -7,7 +7,7 @@ import xarray as xr
 
 import snapmap
 from snapmap.values import quantities
-from snapmap.values.kinds import Quantity, Several, Single, kind_of
+from snapmap.values.kinds import Quantity, Several, kind_of
 
 U = pint.UnitRegistry()
 KINDS = {
@@ -75,7 +75,7 @@ def test_rows_mix_text_and_numbers_and_single_values_are_no_rows():
     row = Several(Quantity("a length", "um")).take(["1 mm", 2.0, 3 * U.nm])
     assert row.tolist() == [1000.0, 2.0, 0.003]
     with pytest.raises(ValueError, match="is not a number"):
-        Single("a length", "um").take([1.0, 2.0])
+        Quantity("a length", "um", is_single=True).take([1.0, 2.0])
 
 
 def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):

@@ -4,7 +4,7 @@ import functools
 import inspect
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import fields
 
 import numpy as np
@@ -16,10 +16,9 @@ from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
 from .solver.settings import Run
-from .study.provenance import unit_of_C
 from .study.study import Study
 from .values import calls
-from .values.damper import damper_in
+from .values.units import OF_DAMPER
 
 OF_LAWS = ("simulate", "sweep", "threshold")
 """Functions that follow the laws of `reference`, which is slow; a solver gives no motion."""
@@ -41,7 +40,7 @@ def checked(function: Callable) -> Callable:
     """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(function, ELSEWHERE, _prepare, _with_its_damper)
+    call = calls.checked(function, ELSEWHERE, _prepare, _unit_of_C)
     call.__module__ = __package__  # by which it is pickled
     return call
 
@@ -57,14 +56,10 @@ def _with_observers(sweep):
     return observed
 
 
-def _with_its_damper(values):
-    """Let C count in the unit of the study, or of the dataset, of a call."""
-    for value in values.values():
-        if isinstance(value, Study):
-            return damper_in(value.unit_of_C)
-        if "config" in (getattr(value, "attrs", None) or ()):
-            return damper_in(unit_of_C(value.attrs))
-    return nullcontext()
+def _unit_of_C(values):
+    """Give the unit in which the study of a call counts C."""
+    study = values.get("study")
+    return study.unit_of_C if isinstance(study, Study) else OF_DAMPER
 
 
 @contextmanager

@@ -14,18 +14,17 @@ from ..pulse.pulse import N_of_g
 from ..pulse.shocks import HANDOUT_SHOCK
 from ..solver.options import Model
 from ..solver.settings import SECOND
-from ..study.axes import KIND_OF, SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
+from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, frequency_of, make_grid, unit_on
 from ..study.study import Study
-from ..values.damper import INTERNAL, damper_in
 from ..values.faults import Faults, line_at
 from ..values.kinds import kind_of
-from ..values.reading import read
-from ..values.units import spelling_of
+from ..values.records import read
+from ..values.units import OF_DAMPER, spelling_of
 from .devices import nominal
 from .document import Document
 from .measured_shape import PROFILE
 from .renamed import renew
-from .views import View, choose_curves, choose_maps, frequency_of, read_places
+from .views import View, choose_curves, choose_maps, read_places
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes; `duration` is f0 by another name."""
@@ -108,8 +107,7 @@ def planned_study(document: Mapping, threads: int) -> Config:
 def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; Faults have a line for each fault."""
     source, renamed = renew(document)
-    with damper_in(_unit_of_C(source)):
-        return _convert(source, renamed)
+    return _convert(source, renamed, _unit_of_C(source))
 
 
 def _unit_of_C(source):
@@ -118,21 +116,21 @@ def _unit_of_C(source):
         laws = kind_of(Model).read(source["model"]).laws
     except (KeyError, TypeError, ValueError):  # told beside all other faults
         laws = None
-    return laws.unit_of_C if laws else INTERNAL
+    return laws.unit_of_C if laws else OF_DAMPER
 
 
-def _convert(source, renamed):
-    parts, faults = read(Document, source), _Faults()
+def _convert(source, renamed, unit_of_C):
+    parts, faults = read(Document, source, unit_of_C=unit_of_C), _Faults()
     named = {name: section.made for name, section in parts.by_name.items()}
     device = named if parts.devices else named["device"]
     shocks = parts.pulse.make_shocks() if parts.pulse else HANDOUT_SHOCK
-    C = faults.catch(("devices",), _damper, parts)
+    C = faults.catch(("devices",), _damper, parts, unit_of_C)
     grid = None if faults else faults.catch(("sweep",), _grid, parts, source, device, shocks, C)
 
     def views(name, y):
         def read(view):
             axes = view.x, getattr(view, y)
-            return *axes, read_places(*axes, view.at, grid.axes)
+            return *axes, read_places(*axes, view.at, grid.axes, unit_of_C)
 
         sections = getattr(parts, name)
         return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]
@@ -165,7 +163,11 @@ def _convert(source, renamed):
         written=source.get("devices") or {"device": source["device"]},
         source=source,
         renamed=renamed,
-        units={key: _unit(key, source["sweep"][key]) for key in DESIGN if key in source["sweep"]},
+        units={
+            key: _unit(source["sweep"][key], unit_on(key, unit_of_C))
+            for key in DESIGN
+            if key in source["sweep"]
+        },
     )
     for name, application in attached().items():
         arguments = getattr(parts, name, None), study, parts
@@ -204,10 +206,9 @@ class _Faults(list):
             raise Faults(*dict.fromkeys(self))
 
 
-def _unit(key, written):
+def _unit(written, unit):
     """Give the unit of the first value of an axis, as `spelling_of` does."""
-    first = written["from"] if isinstance(written, Mapping) else written[0]
-    return spelling_of(first, KIND_OF[key].unit)
+    return spelling_of(written["from"] if isinstance(written, Mapping) else written[0], unit)
 
 
 def require_start(start: str, *devices: Device) -> None:
@@ -220,12 +221,11 @@ def require_start(start: str, *devices: Device) -> None:
                 raise ValueError(f".{error}") from None
 
 
-def _damper(parts):
+def _damper(parts, unit):
     """Give C by the quality factors of the devices, uN us/um; it does not count beside sweep.C."""
     dampers = {section.C for section in parts.by_name.values()}
-    unit = KIND_OF["C"].unit
-    if dampers - {None, 0.0} and unit != INTERNAL:
-        words = f"device.quality_factor: gives C in {INTERNAL}, but model.laws states {unit or 1}"
+    if dampers - {None, 0.0} and unit != OF_DAMPER:
+        words = f"device.quality_factor: gives C in {OF_DAMPER}, but model.laws states {unit or 1}"
         raise ValueError(f"{words}; write sweep.C")
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
         raise ValueError("quality factors give each device another C; write sweep.C")

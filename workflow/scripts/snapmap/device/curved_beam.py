@@ -9,10 +9,9 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
-from ..files.text import show
 from ..values import quantities
+from ..values.arguments import Reading
 from ..values.fields import hints
 from ..values.kinds import Kind, Number, kind_of
 from ..values.records import record
@@ -30,13 +29,14 @@ FLAT = 1e-8
 class FreeKind(Kind):
     """True or false, or a batch of these, held as floats 1 and 0."""
 
-    need = "true or false"
+    need, type = "True or False", bool
+    asks = "true or false"
 
-    def take(self, value: object) -> Number:
+    def convert(self, value: object, reading: Reading) -> Number:
         """Convert true or false, or 1 and 0, to floats."""
         array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
         if array is None or not np.isin(array, (0, 1)).all():
-            raise ValueError(f"{show(value)} is not true (free to tilt) or false (guided)")
+            raise self.refuse(value, reading)
         return array.astype(float) if array.ndim else float(array)
 
     def write(self, value: float) -> bool:
@@ -48,7 +48,7 @@ class FreeKind(Kind):
         return {"type": "boolean"}
 
 
-Free = TypeAliasType("Free", Annotated[bool, FreeKind()])
+Free = Annotated[bool, FreeKind()]
 
 
 @record

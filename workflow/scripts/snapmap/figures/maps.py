@@ -8,7 +8,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from typing_extensions import TypeAliasType
 
 from ..config.points import Point
 from ..files.text import show
@@ -82,24 +81,21 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _dataset(need, *variables):
+def _having(need, *variables):
     """Make the kind of a dataset that has some variables."""
 
     def has_them(value):
         return isinstance(value, xr.Dataset) and {*variables} <= {*value}
 
-    return Annotated[xr.Dataset, Fitting(need, has_them)]
+    return Fitting(need, has_them)
 
 
 CELLS = "a cube, as sweep and open_cube return it"
-Cube = TypeAliasType("Cube", _dataset(CELLS, "outcome", "t_snap"))
-Thresholds = TypeAliasType(
-    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-)
-MatplotlibAxes = TypeAliasType(
-    "MatplotlibAxes",
-    Annotated[Axes, Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))],
-)
+Cube = Annotated[xr.Dataset, _having(CELLS, "outcome", "t_snap")]
+_THRESHOLDS = "a Dataset of thresholds, as threshold returns it"
+Thresholds = Annotated[xr.Dataset, _having(_THRESHOLDS, "N_first")]
+_AXES = Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
+MatplotlibAxes = Annotated[Axes, _AXES]
 
 
 def plot_outcome(

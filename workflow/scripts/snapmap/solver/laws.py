@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..files.named import inside, naming, read_named, sha256_of
-from ..files.text import describe, show
-from ..values.damper import INTERNAL
-from ..values.kinds import Fitting, Kind, Number
+from ..files.text import show
+from ..values.arguments import Argument, Reading, convert
+from ..values.faults import Faults, within
+from ..values.kinds import ANYTHING, Fitting, Kind, Number
 from ..values.quantities import Value
-from ..values.units import require_unit
+from ..values.units import OF_DAMPER, require_unit
 
 logger = logging.getLogger("snapmap")
 PARAMETERS = {
@@ -37,7 +37,7 @@ KEPT = "results/solver_runs.csv"
 """File of the runs of a solver that a config names."""
 
 
-Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", callable)])
+Law = Annotated[Callable, Fitting("a function of numbers", callable)]
 UNIT = "unit_of_C"
 """Name, beside the laws, of the unit in which the damping or the solver counts C."""
 MODULE = "laws_of_a_study"
@@ -67,7 +67,7 @@ class Laws:
     solver: Callable | None = None
     file: str = ""
     sha256: str = ""
-    unit_of_C: str = INTERNAL
+    unit_of_C: str = OF_DAMPER
     kept: str = ""
 
     def __str__(self):
@@ -96,7 +96,7 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
     if UNIT in functions and not laws.keys() & {"damping", "solver"}:
         raise ValueError(f"model.laws: {UNIT}: needs a law of damping; leave it out")
     with naming(f"model.laws: {UNIT}"):
-        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, INTERNAL)))
+        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, OF_DAMPER)))
 
 
 @contextmanager
@@ -173,33 +173,38 @@ class LawsKind(Kind):
     need = "the path of a Python file with laws, or functions by name"
     asks = "the path of a Python file in the study's folder"
 
-    def take(self, value: object) -> Laws:
-        """Take laws, or read a file."""
+    def convert(self, value: object, reading: Reading) -> Laws:
+        """Take laws, or read a file, of a config one in the study's folder."""
         if isinstance(value, Laws):
             return value
-        are_functions = isinstance(value, Mapping) and value.keys() <= {*PARAMETERS, UNIT}
-        if not are_functions and not isinstance(value, str):
-            raise ValueError(f"{show(value)} is not {self.need}")
+        is_path = isinstance(value, str) and value
+        if not is_path and (reading.written or not isinstance(value, Mapping)):
+            raise self.refuse(value, reading)
+        functions = {} if is_path else _of_names(value)
         try:
-            if isinstance(value, Mapping):
-                return compile_laws(value)
-            return load_laws(str(value), sha256_of(str(value), *LAWS))
+            if functions:
+                return compile_laws(functions)
+            path = inside(value) if reading.written else value
+            laws = load_laws(path, sha256_of(path, *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
-
-    def read(self, value: object) -> Laws:
-        """Read a file in the study's folder."""
-        if not (isinstance(value, str) and value):
-            raise ValueError(f"{describe(value)} is not {self.asks}")
-        laws = self.take(inside(value))
-        return replace(laws, kept=KEPT) if laws.solver else laws
+        return replace(laws, kept=KEPT) if laws.solver and reading.written else laws
 
     def schema(self) -> dict:
         """Describe a path."""
         return {"type": "string"}
 
 
-UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
+def _of_names(functions):
+    """Refuse functions that are no laws."""
+    known = dict.fromkeys([*PARAMETERS, UNIT], Argument(ANYTHING, is_optional=True))
+    try:
+        return convert(known, functions, unknown="is not a law")
+    except Faults as faults:
+        raise Faults(*map(within, faults.args)) from None
+
+
+UserLaws = Annotated[Value, LawsKind()]
 
 
 @cache

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from .. import __version__
 from ..device.device import ALONE, KINDS, Device
-from ..values.damper import INTERNAL
 from ..values.records import told
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
@@ -54,17 +53,6 @@ def provenance(document: Mapping) -> dict[str, str]:
         "packages": _packages(),
         "python": platform.python_version(),
     }
-
-
-def unit_of_C(attributes: Mapping[str, str]) -> str:
-    """Give the unit of C, as a config spells it, by the attributes of a product.
-
-    What checks the product tells of a `config` that is not JSON.
-    """
-    with suppress(ValueError):
-        model = json.loads(attributes.get("config", "{}")).get("model", {})
-        return model.get("unit_of_C", INTERNAL)
-    return INTERNAL
 
 
 @cache

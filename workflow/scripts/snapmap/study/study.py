@@ -6,17 +6,15 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..device.device import Device
-from ..files.text import show
 from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks
 from ..solver.options import Auto, Model, section_of
 from ..solver.settings import Run
-from ..values.damper import INTERNAL
-from ..values.kinds import Kind
+from ..values.kinds import Fitting
 from ..values.quantities import Truth
 from ..values.records import record
+from ..values.units import OF_DAMPER
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
@@ -37,20 +35,15 @@ def _is_single(device):
     return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
 
 
-class DevicesKind(Kind):
-    """A device, or several by name."""
-
-    need = "a Device of single values, or several by name; load_device reads one"
-
-    def take(self, value: object) -> Device | Mapping[str, Device]:
-        """Take a device, or a mapping of names to devices."""
-        named = value.values() if isinstance(value, Mapping) and value else [value]
-        if not all(map(_is_single, named)):
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return value
+def _are_single(value):
+    named = value.values() if isinstance(value, Mapping) and value else [value]
+    return all(map(_is_single, named))
 
 
-Devices = TypeAliasType("Devices", Annotated[Device | Mapping[str, Device], DevicesKind()])
+DEVICES = Fitting(
+    "a Device of single values, or several by name; load_device reads one", _are_single
+)
+Devices = Annotated[Device | Mapping[str, Device], DEVICES]
 
 
 @record
@@ -97,7 +90,7 @@ class Study:
     @property
     def unit_of_C(self) -> str:
         """Unit of C, as a config spells it: a user's own law may state one."""
-        return self.model.laws.unit_of_C if self.model.laws else INTERNAL
+        return self.model.laws.unit_of_C if self.model.laws else OF_DAMPER
 
     def devices(self) -> dict[str, Device]:
         """Give the devices by name; a single one is called `device`."""

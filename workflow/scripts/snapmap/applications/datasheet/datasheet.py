@@ -20,7 +20,7 @@ from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import growth_rate
-from ...values.damper import INTERNAL
+from ...values.units import OF_DAMPER
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.check import LEVELS
@@ -46,7 +46,7 @@ def datasheet(
     source: Mapping,
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
-    damper: tuple[str, float] = (INTERNAL, 1.0),
+    damper: tuple[str, float] = (OF_DAMPER, 1.0),
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 

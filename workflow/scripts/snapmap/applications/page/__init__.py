@@ -32,16 +32,13 @@ class Page(Application):
         """Write the page."""
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
-        from ...study.provenance import unit_of_C
-        from ...values.damper import damper_in
         from ..requirements.corners import read_verdicts
         from .figure import page  # brings Plotly
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
         with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
             for name, shown in figures.items():
-                with damper_in(unit_of_C(cube.attrs)):
-                    text = page(cube, thresholds, shown, verdicts)
+                text = page(cube, thresholds, shown, verdicts)
                 write_text(text, f"{folder}/{name}.html")
 
 

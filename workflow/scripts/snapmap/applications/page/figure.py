@@ -28,7 +28,7 @@ from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
-from ...values.units import is_plain, spelling
+from ...values.units import is_plain, of_file, spelling
 from ..requirements.corners import badness, corner_text, end_text
 from .forms import LIMITS, NUMBERS, forms, pulses
 
@@ -201,7 +201,7 @@ def _plane(cells):
 def _axis(cells, key):
     """An axis for the page: places of its values, texts, unit and scale."""
     words, scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
-    unit = spelling(KIND_OF[key].unit).page if key in KIND_OF else ""
+    unit = spelling(of_file(cells[key].attrs["units"])).page if key in KIND_OF else ""
     every = -(-scale.values.size // scales.SEVERAL)
     label = scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key]
     lead = f"{words} ".lstrip() if key in NAMES else f"{_typeset(words)} = "

@@ -11,6 +11,7 @@ from ...figures import captions, style
 from ...figures.scales import number, tick, value_text
 from ...solver.settings import SECOND
 from ...study.study import ARRIVES
+from ...values.units import OF_DAMPER, spelling
 from .corners import badness, corners, end_text, must_text
 
 VERDICTS = {
@@ -25,10 +26,10 @@ BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 
 
-def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
+def draw_margins(ax: Axes, verdicts: Sequence[Mapping], unit_of_C: str = OF_DAMPER) -> Axes:
     """Draw the safety factor on N of each verdict, with its error bar; logarithmic.
 
-    verdicts: rows of requirements.csv
+    verdicts: rows of requirements.csv; unit_of_C: as a config spells it
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
     The factor is the threshold over the required N, or the inverse where the shock must trip: above
@@ -57,7 +58,9 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping]) -> Axes:
         if words:
             ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
     ax.axvline(1, color="black", linewidth=0.6)
-    ax.set_yticks(range(len(groups)), [_name(row) for row, *_ in groups])
+    ax.set_yticks(
+        range(len(groups)), [_name(row, spelling(unit_of_C).figures) for row, *_ in groups]
+    )
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
@@ -75,11 +78,11 @@ def _factor(row):
     return 1 / row["margin"] if row["must_snap"] in (True, ARRIVES) else row["margin"]
 
 
-def _name(row):
+def _name(row, unit):
     shock = f"{row['shape']} {row['direction'].replace('-', '−')}"
     start = "from the second shape" if row["start"] == SECOND else ""
     where = [row["device"], start, shock, f"{number(row['temperature'])} °C"]
-    where = ", ".join(filter(None, [*where, value_text("C", row["C"])]))
+    where = ", ".join(filter(None, [*where, value_text("C", row["C"], unit)]))
     return f"{required_text(row['requirement'], row['must_snap'])}\n{where}"
 
 

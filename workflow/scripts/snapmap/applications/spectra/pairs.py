@@ -6,8 +6,8 @@ import numpy as np
 
 from ...files.text import describe, show
 from ...values.faults import Faults, few
-from ...values.kinds import Kind, Single, kind_of
-from ...values.quantities import Frequency
+from ...values.kinds import CONFIG, Kind, kind_of
+from ...values.quantities import Frequency, single
 from ...values.units import is_plain, plain_numbers
 
 LEAST = 2
@@ -39,15 +39,15 @@ class Points(Kind):
             value = [[kind_of(Frequency).take(f), self._level(level)] for f, level in value]
         points = plain_numbers(value)
         if points is None or points.ndim != 2 or points.shape[1] != 2 or len(points) < LEAST:
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value)
         if not (np.isfinite(points).all() and (points > 0).all() and _ascends(points)):
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value)
         return points
 
     def read(self, value: object) -> np.ndarray:
         """Read a list of pairs."""
         if not isinstance(value, list) or len(value) < LEAST:
-            raise ValueError(f"{describe(value)} is not {self.asks}")
+            raise self.refuse(value, CONFIG)
         points, faults = [], []
         for place, item in enumerate(value):
             if not _is_pair(item):
@@ -80,7 +80,7 @@ class Points(Kind):
             )
         if is_text and not is_plain(number):
             raise ValueError(f"{show(value)} is not a {self.noun}")
-        return Single(f"a {self.noun}").take(float(number) if is_text else value)
+        return single(f"a {self.noun}").take(float(number) if is_text else value)
 
 
 def _is_pair(item):
