@@ -3,7 +3,7 @@
 from PIL import Image
 
 from snapmap.applications import gather
-from snapmap.applications.requirements.corners import read_verdicts
+from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.study.netcdf import open_whole
 from snapmap.workflow.made import LIST
 from snapmap.workflow.products import choose_views

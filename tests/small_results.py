@@ -1,11 +1,13 @@
 """Small results of studies, for tests of figures and of the page."""
 
 import json
+from dataclasses import fields
 
 import numpy as np
 import xarray as xr
 
 import snapmap
+from snapmap.applications.requirements.verdict import Verdict
 from snapmap.figures import style
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import OUTCOMES
@@ -82,6 +84,14 @@ def make_found(C=(25.0, 200.0)):
         "velocity_change": ("C", 0.5 + 0.1 * np.arange(len(C))),
     }
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
+
+
+def make_verdict(**values):
+    """A verdict of a half sine of 1 ms along +z, met at 20 degC; other numbers are not known."""
+    blank = {each.name: np.nan for each in fields(Verdict) if each.type is float}
+    shock = {"requirement": "drop", "device": "", "shape": "half sine", "direction": "+z"}
+    place = {"duration": 1.0, "C": 25.0, "temperature": 20.0, "must_snap": False}
+    return Verdict(**blank | shock | place | {"outcome": "unsnapped", "verdict": "met"} | values)
 
 
 def assert_same_cube(cube, other):

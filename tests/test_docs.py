@@ -23,7 +23,7 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
-from snapmap.applications.requirements.corners import read_verdicts
+from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.spectra.required import RequiredVibration
 from snapmap.beam.modal import natural_frequency
 from snapmap.config.study import load_config
@@ -209,7 +209,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
         assert f"{row.N_first.item():.1f} ± {row.N_error.item():.1f} g." in words
         same = int((edges.N_latched == edges.N_first).sum())
         assert f"`N_first` itself in {same} of {edges.N_first.size} rows" in words
-    crash, _, drop, _ = (row["margin"] for row in read_verdicts(results / "requirements.csv"))
+    crash, _, drop, _ = (each.margin for each in read_verdicts(results / "requirements.csv"))
     assert f"a threshold at {crash:.2f} times its amplitude, the drop at {drop:.2f}" in words
     with xr.open_dataset(results / "tolerance.nc") as made:
         row = made.isel(C=0)

@@ -226,7 +226,10 @@ def test_what_belongs_elsewhere_is_told_where(right_calls):
         with pytest.raises(TypeError, match=f"^{key}: is not an argument; write ") as caught:
             snapmap.sweep(**sweep, **{key: 1})
         assert words in str(caught.value)
-    for key, words in {"horizn": "; did you mean horizon", "xyz": "; known here are study, N, "}.items():
+    for key, words in {
+        "horizn": "; did you mean horizon",
+        "xyz": "; known here are study, N, ",
+    }.items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument{words}"):
             snapmap.sweep(**sweep, **{key: 1})
 

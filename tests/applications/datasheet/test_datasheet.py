@@ -9,7 +9,7 @@ from snapmap.applications.datasheet.datasheet import datasheet
 from snapmap.applications.electrode.closures import CLOSING
 from snapmap.applications.histories.history import extremes_of, free_travel
 from snapmap.applications.requirements.check import check, judge
-from snapmap.applications.requirements.corners import at_corner
+from snapmap.applications.requirements.verdict import at_corner
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.device.samples import Tolerances
 from snapmap.pulse.pulse import make_pulse
@@ -35,17 +35,16 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
     moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
-    verdict, survival = judge(verdict, device, moved.stress_max, 0.999)
     closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
-    row = closing | verdict._asdict() | moved._asdict() | survival._asdict()
+    verdict = judge(replace(verdict, **moved._asdict(), more=closing), device, 0.999)
     scatters = Tolerances({"thickness": 0.05}, samples=32)
     made = tolerances_of(study, {"C": [25.0], "f0": [1000.0]}, scatters, required)
     sections = device_sections(device)["device"] | {"mass": "10 mg", "quality_factor": 94}
     source = {"title": "Crash sensor, 2026", "device": sections}
-    text = datasheet(study, [row], source, required, made, ("mN*s/m", 1000.0))
+    text = datasheet(study, [verdict], source, required, made, ("mN*s/m", 1000.0))
 
     shock, degrees, C, required, threshold, spread, margin, end, met, *strength = row_of(
-        text, "drop, does not trip"
+        text, "drop, must not trip"
     )
     assert (shock, degrees, C, required) == ("half sine +z, 1 ms", "20", "0.025", "500")
     assert (end, met) == ("does not arrive", "met")
@@ -58,7 +57,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     assert uncertain == pytest.approx(share / np.sqrt(2 * 32), rel=0.1)
     assert float(strength[0]) == pytest.approx(900 / moved.stress_max, rel=1e-2)
     assert row_of(text, "meet all")[1] == f"{100 * made['yield'].item():.1f} %"
-    where = "drop, half sine +z, C = 0.025, 20 degC"
+    where = "drop, half sine +z, 1 ms, C = 0.025, 20 degC"
     assert row_of(text, "travel of the mass towards")[2] == where
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row_of(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
@@ -89,11 +88,11 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
     required = [hit, replace(hit, name="bump", N=50.0, shocks=record)]
     rows = []
     for verdict in check(study, required, [25.0, 200.0], temperatures=[20.0, 80.0]):
-        shaken = at_corner(study, hit, verdict._asdict() | {"shape": "half sine"})
+        shaken = at_corner(study, hit, replace(verdict, shape="half sine"))
         moved = extremes_of(shaken, verdict.N, verdict.f0, verdict.C)
-        _, survival = judge(verdict, handout, moved.stress_max, 0.999)
-        rows.append(verdict._asdict() | moved._asdict() | survival._asdict())
-        rows[-1]["travel_over_rise"] = free_travel(handout, *moved[:2])
+        travel = free_travel(handout, *moved[:2])
+        moved_so = replace(verdict, **moved._asdict(), travel_over_rise=travel)
+        rows.append(judge(moved_so, handout, 0.999))
     source = {
         "device": {"mass": "10 mg"},
         "pulse": {"direction": "both"},
@@ -102,13 +101,13 @@ def test_all_rows_stand_on_the_sheet_and_what_made_them(handout):
         "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
     }
     text = datasheet(study, rows, source, required[:1])
-    lines = [line for line in text.splitlines() if ", does not trip" in line]
+    lines = [line for line in text.splitlines() if ", must not trip" in line]
     assert len(lines) == len(rows) == 12
     assert [line.split(",")[0] for line in lines] == ["| hit"] * 8 + ["| bump"] * 4
     margins = [float(line.split("|")[8].split(" ± ")[0]) for line in lines]
     assert margins[:8] == sorted(margins[:8]) and margins[8:] == sorted(margins[8:])
     assert "50 (0.5 of the record)" in lines[-1] and "of the record" not in lines[0]
-    far = [row["travel_over_rise"] > 5 for row in rows]
+    far = [row.travel_over_rise > 5 for row in rows]
     assert 0 < sum(far) < 12
     assert sum("outside any package: not valid" in line for line in lines) == sum(far)
     assert row_of(text, "SHA-256") == [f"{config_hash(source)}..."]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
+from small_results import make_verdict
 from small_studies import TINY
 from varied import varied
 
@@ -15,7 +16,6 @@ import snapmap
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
-from snapmap.applications.requirements.corners import Verdict
 from snapmap.config.study import load_config
 from snapmap.solver.settings import Run
 from snapmap.study.study import Study
@@ -104,7 +104,7 @@ def integrated(device, N, f0, C):
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
     study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
-    seen, expected = observed_of(study, N, f0, 25.0), integrated(device, N, f0 * 1e-6, 25.0)
+    seen, expected = observed_of(study, N, f0, 25.0)[1], integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key
     assert seen["t_closed_error"] < 0.1
@@ -171,8 +171,7 @@ UNSEEN, NEVER = {"t_closed_error": np.nan}, {"t_closed": np.nan, "t_closed_error
 def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, changes, verdict):
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
-    blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
-    judged, beside = judge_closing(blank, closing, **required)
-    assert judged.verdict == verdict and len(beside) == len(closing) + len(required)
-    failed = judge_closing(blank._replace(verdict="failed"), closing, **required)[0]
-    assert failed.verdict == "failed"
+    met, failed = (make_verdict(verdict=word, more=closing) for word in ("met", "failed"))
+    judged = judge_closing(met, **required)
+    assert judged.verdict == verdict and len(judged.more) == len(closing) + len(required)
+    assert judge_closing(failed, **required).verdict == "failed"

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.image import imread
-from small_results import SETTINGS, make_cells, swept
+from small_results import SETTINGS, make_cells, make_verdict, swept
 
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
+from snapmap.applications.requirements.verdict import write_verdicts
 from snapmap.config.study import load_config
 from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
@@ -22,12 +23,12 @@ ALWAYS, BAND, FIRST, _, CHOSEN, REQUIRED_SHOCKS = range(1, 7)
 """Which curve of the map is which."""
 
 
-VERDICTS = """\
-requirement,device,shape,direction,C,temperature,must_snap,verdict,end,share_staying,margin
-crash,,half sine,+z,25,20,True,unclear,ends differ,0.4,0.5
-crash,,half sine,+z,50,20,True,met,stays,1,0.9
-"""
-"""A part of a table of verdicts, of which the page tells the worst."""
+CRASH = {"requirement": "crash", "must_snap": True, "margin": 0.5}
+VERDICTS = (
+    make_verdict(**CRASH, verdict="unclear", end="ends differ", share_staying=0.4),
+    make_verdict(**CRASH, C=50.0, end="stays", share_staying=1.0),
+)
+"""Of which the page tells the worst."""
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +70,7 @@ def page_text(cube, folder):
     for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
     files["requirements"] = folder / "requirements.csv"
-    files["requirements"].write_text(VERDICTS)
+    write_verdicts(VERDICTS, files["requirements"])
     drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED)
     application.draw({"explore": drawing}, folder, files)
     assert sorted(folder.iterdir()) == sorted([*files.values(), folder / "explore.html"])
@@ -260,7 +261,7 @@ def test_the_page_has_the_title_and_the_required_shocks_of_the_map(view):
     edge = view.page.evaluate("axes[X].edges.at(-1)")
     assert (x, y, numbers) == ([3000, edge], [1200, 900], ["1", "2"])
     legend = view.text("#classes")
-    told = "unclear: ends differ, 40 % of the runs stay, at worst (half sine +z, C = 25, 20 degC)"
+    told = "unclear: ends differ, 40 % of the runs stay, at worst (half sine +z, 1 ms, C = 25,"
     assert f"1: required shock crash, N = 1200, 3000 Hz; {told}" in legend
     assert "another" not in legend
     assert "2: required shock <i>drop</i>, N = 900, 90000 Hz (beyond the map)" in legend

@@ -11,10 +11,9 @@ from varied import varied
 
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
-from snapmap.applications.requirements import shocks_of
+from snapmap.applications.requirements import application, shocks_of
 from snapmap.applications.requirements.check import check
-from snapmap.applications.requirements.corners import read_verdicts
-from snapmap.applications.requirements.verdicts import write_verdicts
+from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
@@ -104,15 +103,15 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
     ]
     study, path = load_config(document), tmp_path / "requirements.csv"
     with pytest.warns(UserWarning, match="the mass travels") as warned:
-        write_verdicts(study, study.requests["requirements"], str(path))
+        application.run(study, path)
     (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]
     rows = read_verdicts(path)
-    far = [row["requirement"] for row in rows if row["travel_over_rise"] > 5]
+    far = [row.requirement for row in rows if row.travel_over_rise > 5]
     assert far and f" in {len(far)} of {len(rows)} rows, of {', '.join(dict.fromkeys(far))}" in line
     words = capsys.readouterr().out
     assert "failed: crash" in words and "arrives and returns" in words
-    assert {row["must_snap"] for row in rows} == {True, "arrives"}
-    least = min(row["share_staying"] for row in rows if row["requirement"] == "crash")
+    assert {row.must_snap for row in rows} == {True, "arrives"}
+    least = min(row.share_staying for row in rows if row.requirement == "crash")
     assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
     assert least == 0.0 and _worst("no such", rows) == ""
 

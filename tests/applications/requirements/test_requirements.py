@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
-from small_results import artists, drawn
+from small_results import artists, drawn, make_verdict
 from varied import varied
 
-from snapmap.applications.requirements.check import check, judge, summary, worst
-from snapmap.applications.requirements.corners import Verdict, badness, corners, read_verdicts
+from snapmap.applications.requirements import application
+from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.requirements.figure import draw_margins
 from snapmap.applications.requirements.forecast import judged_seconds
 from snapmap.applications.requirements.required import RequiredShock
-from snapmap.applications.requirements.verdicts import hint, write_verdicts
+from snapmap.applications.requirements.summary import hint, summary, worst
+from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
 from snapmap.config.study import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
@@ -85,9 +86,10 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     assert summary(launch) == "0 of 1 requirements met; failed: launch"
     last, words = worst(launch)
     assert last == max(launch, key=lambda verdict: verdict.margin)
-    assert f"launch, {last.shape} {last.direction}, C = 25, {last.temperature:g} degC" in words
-    ((front, *rest),) = corners([verdict._asdict() for verdict in launch])
-    assert front["N_first"] == last.N_first and len(rest) == 7
+    place = f"{last.shape} {last.direction}, 0.5 ms"
+    assert f"launch, {place}, C = 25, {last.temperature:g} degC" in words
+    ((front, *rest),) = corners(launch)
+    assert front.N_first == last.N_first and len(rest) == 7
     assert {verdict.verdict for verdict in back} == {"met"} and worst(back) == (None, "")
 
 
@@ -105,26 +107,24 @@ WEIBULL = BRITTLE | {"strength_modulus": 2.0, "strength_threshold": 1000.0}
     ],
 )
 def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must, verdict):
-    blank = Verdict(**dict.fromkeys(Verdict._fields) | {"verdict": "met"})
-    judged, survival = judge(blank, replace(handout, **strength), stress, must)
-    assert judged.verdict == verdict
+    judged = judge(make_verdict(stress_max=stress), replace(handout, **strength), must)
+    assert judged.verdict == verdict and judged.must_survive == must
     if strength == BRITTLE:
-        assert survival == (must, pytest.approx(1500 / stress), float(stress > 1500))
-    assert np.isnan(survival.strength_margin) == (not strength)
+        assert judged.strength_margin == pytest.approx(1500 / stress)
+        assert judged.break_probability == (stress > 1500)
+    assert np.isnan(judged.strength_margin) == (not strength)
 
 
 def test_the_worst_corner_is_in_front():
     """What is violated before what is unclear; a strength counts if the beam must survive."""
-    row = {"requirement": "drop", "device": "", "C": 25.0, "must_snap": False}
     margins = {"met": 1.01, "unclear": 0.5, "failed": 0.9}
-    rows = [row | {"verdict": verdict, "margin": margin} for verdict, margin in margins.items()]
+    rows = [make_verdict(verdict=word, margin=margin) for word, margin in margins.items()]
     for order in itertools.permutations(rows):
         ((*group,),) = corners(order)
-        assert [row["verdict"] for row in group] == ["failed", "unclear", "met"]
-    row |= {"verdict": "met", "must_snap": "any", "margin": 0.1}
-    row |= {"strength_margin": 0.2, "closing_margin": 1.5}
+        assert [row.verdict for row in group] == ["failed", "unclear", "met"]
+    free = make_verdict(must_snap="any", margin=0.1, strength_margin=0.2, more={"x_margin": 1.5})
     for must_survive, reserve in ((0.0, 1.5), (0.999, 0.2), (np.nan, 1.5)):
-        assert badness(row | {"must_survive": must_survive}) == (0, 0.0, -reserve)
+        assert replace(free, must_survive=must_survive).badness == (0, 0.0, -reserve)
 
 
 @pytest.fixture
@@ -144,7 +144,7 @@ def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, doc
     trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)
     stays = RequiredShock(name="stays", N=0.97 * light, snaps=False, **shock)
     needs = [trips, stays]
-    verdicts = [verdict for need in needs for verdict, _ in need.check(study, dampers)]
+    verdicts = [verdict for need in needs for verdict in need.check(study, dampers)]
     wrong, _ = worst(verdicts)
     assert (wrong.requirement, wrong.C) == ("trips", 400.0) and light < 0.95 * damped
     words = hint(study, needs, verdicts, wrong)
@@ -163,30 +163,29 @@ def test_the_closing_line_says_where_the_beam_breaks(document, tmp_path, capsys,
     document["sweep"]["C"] = ["25 uN us/um"]
     needs = {"name": "handling", "N": 50, "f0": "1 kHz", "snaps": False, "survives": True}
     study = load_config(document | {"requirements": [needs]})
-    write_verdicts(study, study.requests["requirements"], str(tmp_path / "requirements.csv"))
+    application.run(study, tmp_path / "requirements.csv")
     line = capsys.readouterr().out
     assert ("the beam breaks in handling" in line) == breaks == ("failed: handling" in line)
 
 
-def test_names_of_verdicts_stay_text_and_numbers_are_numbers(tmp_path):
-    rows = "nan,12,nan,True,met,0.999", "b,,0.5,False,failed,nan", "c,,1,any,met,1"
-    head = "requirement,device,margin,must_snap,verdict,must_survive"
-    (tmp_path / "requirements.csv").write_text("\n".join([head, *rows, ""]))
-    verdicts = read_verdicts(tmp_path / "requirements.csv")
-    np.testing.assert_equal(
-        [[*verdict.values()] for verdict in verdicts],
-        [
-            ["nan", "12", np.nan, True, "met", 0.999],
-            ["b", "", 0.5, False, "failed", np.nan],
-            ["c", "", 1.0, "any", "met", 1.0],
-        ],
-    )
+def test_verdicts_are_read_as_they_were_written(tmp_path):
+    """Names of words that mean something else stay text; a gap stays a gap."""
+    asked = [
+        make_verdict(requirement="nan", device="12", must_snap=True, N_first=1 / 3),
+        make_verdict(requirement="b", margin=0.5, end="stays", more={"t_closed": 2.5}),
+        make_verdict(requirement="c", must_snap="any", must_survive=1.0),
+    ]
+    write_verdicts(asked, tmp_path / "requirements.csv")
+    read = read_verdicts(tmp_path / "requirements.csv")
+    closings = [each.more.get("t_closed") for each in read]
+    np.testing.assert_equal(closings, [np.nan, 2.5, np.nan])
+    for before, after in zip(asked, read, strict=True):
+        np.testing.assert_equal(vars(replace(after, more={})), vars(replace(before, more={})))
 
 
 @pytest.mark.usefixtures("paper")
 def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_in_front():
-    shock = {"device": "", "C": 25.0, "must_survive": 0.999, "start": "first"}
-    shock |= {"shape": "half sine", "direction": "-z", "temperature": -40.0}
+    shock = {"direction": "-z", "must_survive": 0.999, "temperature": -40.0}
     shock |= {"end": "ends differ", "share_staying": 0.25}
     keys = "requirement", "margin", "margin_error", "verdict", "must_snap", "break_probability"
     rows = [
@@ -194,7 +193,8 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
         ("back", np.nan, np.nan, "met", False, 1e-4),
         ("shelf", 0.9, 0.02, "failed", False, 0.01),
     ]
-    drop, _, shelf = verdicts = [shock | dict(zip(keys, row, strict=True)) for row in rows]
+    verdicts = [make_verdict(**shock, **dict(zip(keys, row, strict=True))) for row in rows]
+    drop, _, shelf = verdicts
     ax = drawn(draw_margins, verdicts)
     points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() in "oX"]
     assert points == [[0.9, 0.0], [1.25, 1.0]]  # by slack, the failed first
@@ -204,8 +204,8 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     notes = [(text.get_text().strip(), text.xy[1]) for text in ax.texts]
     ends = "ends differ, 25 % of the runs stay"
     assert notes == [("the beam breaks", 0), (ends, 1), ("snaps at no $N$ seen", 2)]
-    verdicts.append(shelf | {"margin": 1.2, "verdict": "met"})
-    verdicts.append(drop | {"requirement": "hit", "must_snap": "any", "margin": 1.1})
+    verdicts.append(replace(shelf, margin=1.2, verdict="met"))
+    verdicts.append(replace(drop, requirement="hit", must_snap="any", margin=1.1))
     ax = drawn(draw_margins, verdicts)
     dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "."]
     assert [points for points in dots if points] == [[[1.2, 0.0]]]  # the one that fails is in front

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
+from snapmap.applications.spectra import trips as spectra_trips
 from snapmap.applications.spectra.psd import Spectrum
 from snapmap.applications.spectra.required import RequiredSpectrum
 from snapmap.applications.spectra.srs import (
@@ -19,7 +20,6 @@ from snapmap.applications.spectra.srs import (
     response,
 )
 from snapmap.applications.spectra.trips import FACTORS, ends
-from snapmap.applications.spectra.verdicts import check_spectrum
 from snapmap.applications.spectra.vibration import _level, fit_rates
 from snapmap.solver.settings import Run
 
@@ -95,7 +95,10 @@ def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
     assert first.pulse.duration != other.pulse.duration
 
 
-def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handout, study):
+def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(
+    handout, study, monkeypatch
+):
+    monkeypatch.setattr(spectra_trips, "RECORDS", 2)
     levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, run=Run(0.0))
     trips = flat.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
     snaps = trips.snaps.values[0].sum(axis=0)
@@ -105,7 +108,7 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
         for by in (1.0, 0.25, 4.0)
         for must in (False, True)
     ]
-    rows = [row for one in asked for row in check_spectrum(study, one, [25.0], [20.0], 2)]
+    rows = [row for one in asked for row in one.judged(study, "", [25.0])]
     for row, end in zip(rows, (first, last + 1), strict=False):
         bar = row.N_first - row.N_error, row.N_first + row.N_error
         assert bar == (FACTORS[end - 1], FACTORS[end])
@@ -113,7 +116,7 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(handou
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
     both = replace(asked[0], direction="both")
-    both = [*check_spectrum(study, both, [25.0], [20.0], 2)]
+    both = [*both.judged(study, "", [25.0])]
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
     assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
 

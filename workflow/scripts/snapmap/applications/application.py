@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..solver.models import Follows
     from ..solver.settings import Run
     from ..study.study import Study
+    from .requirements.verdict import Verdict
 else:
     Config = Any  # itself it imports the applications
 
@@ -170,8 +171,8 @@ class Application:
         """
         return {}
 
-    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> Sequence[str]:
-        """Tables that it adds to a data sheet; rows: verdicts, worst first."""
+    def in_datasheet(self, study: Study, verdicts: Sequence[Verdict]) -> Sequence[str]:
+        """Tables that it adds to a data sheet; verdicts: worst first."""
         return ()
 
     # What it draws.

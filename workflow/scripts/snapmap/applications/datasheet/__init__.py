@@ -32,7 +32,7 @@ class Datasheet(Application):
 
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
-        from ..requirements.corners import read_verdicts
+        from ..requirements.verdict import read_verdicts
         from .datasheet import datasheet
 
         verdicts = read_verdicts(requirements_path)

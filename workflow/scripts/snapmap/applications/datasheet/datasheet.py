@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 import xarray as xr
@@ -15,7 +16,6 @@ from ...files.text import DASH, leaves, plain, table
 from ...numerics.statistics import percents, scope
 from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
-from ...solver.settings import SECOND
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
@@ -23,8 +23,8 @@ from ...thresholds.slow import growth_rate
 from ...values.units import OF_DAMPER
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
-from ..requirements.check import LEVELS
-from ..requirements.corners import at_corner, badness, corner_text, end_text, must_text
+from ..requirements.summary import LEVELS
+from ..requirements.verdict import Verdict, at_corner, must_text
 from ..statics.statics import statics_of
 
 UNITS = {
@@ -42,7 +42,7 @@ PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 
 def datasheet(
     study: Study,
-    verdicts: Sequence[Mapping],
+    verdicts: Sequence[Verdict],
     source: Mapping,
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
@@ -50,7 +50,6 @@ def datasheet(
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
-    verdicts: rows of requirements.csv
     source: the config as the user has it
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
@@ -62,14 +61,14 @@ def datasheet(
     head += ["of devices as made", "threshold over required", "the beam", "verdict"]
     head += ["strength over stress", "breaks"]
     written = source.get("devices") or {"device": source["device"]}
-    verdicts = [{**row, "C": row["C"] / size} for row in verdicts]
+    verdicts = [replace(verdict, C=verdict.C / size) for verdict in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
-        of_device = [row for row in verdicts if not several or row["device"] == name]
+        of_device = [verdict for verdict in verdicts if not several or verdict.device == name]
         batch = made.sel(device=name) if made is not None and several else made
-        rows = sorted(of_device, key=badness, reverse=True)
-        names = [*dict.fromkeys(row["requirement"] for row in rows)]
-        rows.sort(key=lambda row: names.index(row["requirement"]))
+        rows = sorted(of_device, key=lambda verdict: verdict.badness, reverse=True)
+        names = [*dict.fromkeys(verdict.requirement for verdict in rows)]
+        rows.sort(key=lambda verdict: names.index(verdict.requirement))
         heading = " of ".join(
             filter(None, ["# Data sheet", source.get("title"), name if several else ""])
         )
@@ -81,7 +80,7 @@ def datasheet(
         of_N = f"{plain(device.gravity * 1e6)} m/s^2"
         of_N = f"{device.force:g} uN on the midpoint" if device.force else of_N
         words = f"Required shocks, worst first; amplitudes are multiples of {of_N}:\n"
-        sheets += [words, table(head, (_verdict(row, batch) for row in rows)), PICTURE]
+        sheets += [words, table(head, (_cells(verdict, batch) for verdict in rows)), PICTURE]
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
@@ -137,7 +136,7 @@ def _at_rest(device, laws, verdicts, damper):
     slow = f"{static_threshold(device):.5g}; faster shocks may need less"
     yield ["N above which a slow shock snaps it", OF_LAWS if laws else slow]
     unit, size = damper
-    for C in sorted({row["C"] for row in verdicts}) if not laws else ():
+    for C in sorted({verdict.C for verdict in verdicts}) if not laws else ():
         dwell = 2 / growth_rate(device, C * size)
         unknown = "not known: the law of slow shocks does not hold here"
         text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
@@ -173,43 +172,40 @@ def reset_force(beam: Beam) -> tuple[float, float]:
     return float(force), float(abs(force - least_back(half)))
 
 
-def _verdict(row, made):
-    """Cells of a row of requirements.csv, with the scatter of thresholds of devices as made."""
-    shock = f"{row['shape']} {row['direction']}"
-    shock += f", {plain(row['duration'])} ms" if np.isfinite(row["duration"]) else ""
-    shock += ", from the second shape" if row["start"] == SECOND else ""
-    name, spread = row["requirement"], DASH
+def _cells(verdict, made):
+    """Cells of a verdict, with the scatter of thresholds of devices as made."""
+    name, spread = verdict.requirement, DASH
     if made is not None and name in made.get("requirement", ()):
-        first = made.N_first_required.sel(requirement=name).sel(C=row["C"], method="nearest")
+        first = made.N_first_required.sel(requirement=name).sel(C=verdict.C, method="nearest")
         share = (first.std(ddof=1) / first.mean()).item()
         if share > 0:
             error = share / np.sqrt(2 * first.count().item())  # of normally distributed thresholds
             spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
-    level, threshold, margin = LEVELS.get(row["shape"], ""), "nothing snaps", DASH
-    required = plain(row["N"], 5) + level
-    if np.isfinite(row["scale"]):
-        required += f" ({plain(row['scale'])} of the record)"
-    if np.isfinite(row["N_first"]):
-        threshold = f"{row['N_first']:.5g} ± {plain(row['N_error'], 2)}"
+    level, threshold, margin = LEVELS.get(verdict.shape, ""), "nothing snaps", DASH
+    required = plain(verdict.N, 5) + level
+    if np.isfinite(verdict.scale):
+        required += f" ({plain(verdict.scale)} of the record)"
+    if np.isfinite(verdict.N_first):
+        threshold = f"{verdict.N_first:.5g} ± {plain(verdict.N_error, 2)}"
         threshold += level
-        if np.isfinite(row["scale_first"]):
-            threshold += f" ({plain(row['scale_first'])} of the record)"
-        margin = f"{plain(row['margin'])} ± {plain(row['margin_error'], 1)}"
+        if np.isfinite(verdict.scale_first):
+            threshold += f" ({plain(verdict.scale_first)} of the record)"
+        margin = f"{plain(verdict.margin)} ± {plain(verdict.margin_error, 1)}"
     breaks = [DASH, DASH]
-    if np.isfinite(row["strength_margin"]):
-        values = row["strength_margin"], row["break_probability"]
+    if np.isfinite(verdict.strength_margin):
+        values = verdict.strength_margin, verdict.break_probability
         breaks = [plain(value, 3) if np.isfinite(value) else DASH for value in values]
     return [
-        must_text(name, row["must_snap"]),
-        shock,
-        plain(row["temperature"]),
-        f"{row['C']:g}",
+        must_text(name, verdict.must_snap),
+        verdict.shock,
+        plain(verdict.temperature),
+        f"{verdict.C:g}",
         required,
         threshold,
         spread,
         margin,
-        end_text(row),
-        row["verdict"] + (f"; {OUTSIDE}" if row.get("travel_over_rise", 0) > FARTHEST else ""),
+        verdict.end_text,
+        verdict.verdict + (f"; {OUTSIDE}" if verdict.travel_over_rise > FARTHEST else ""),
         *breaks,
     ]
 
@@ -221,20 +217,20 @@ def _largest(study, requirements, verdicts, size):
     size: of the unit of C in the verdicts, uN us/um
     """
     by_name = {required.name: required for required in requirements}
-    shocks = [row for row in verdicts if row["requirement"] in by_name]
+    shocks = [verdict for verdict in verdicts if verdict.requirement in by_name]
     stops = {"toward_max": study.device.stop_toward, "away_max": study.device.stop_away}
     free = [key for key, stop in stops.items() if np.isinf(stop)]
     for key, (words, unit) in UNITS.items():
-        if not np.isfinite([row[key] for row in shocks]).any():
+        if not np.isfinite([getattr(verdict, key) for verdict in shocks]).any():
             continue
-        worst = max(shocks, key=lambda row, key=key: row[key])
-        shock = by_name[worst["requirement"]]
+        worst = max(shocks, key=attrgetter(key))
+        shock = by_name[worst.requirement]
         under = at_corner(study, shock, worst)
-        again = extremes_of(under, shock.N, shock.f0, worst["C"] * size, step=REPEATED_STEP)
-        value, other = worst[key], getattr(again, key)
-        where = f"{worst['requirement']}, {corner_text(worst)}"
+        again = extremes_of(under, shock.N, shock.f0, worst.C * size, step=REPEATED_STEP)
+        value, other = getattr(worst, key), getattr(again, key)
         is_outside = key in free and value > FARTHEST * study.device.beam.height
         text = f"{plain(value)} {unit}" + (f"; {OUTSIDE}" if is_outside else "")
+        where = f"{worst.requirement}, {worst.corner}"
         yield [words, text, f"{plain(abs(value - other), 1)} {unit}", where]
 
 

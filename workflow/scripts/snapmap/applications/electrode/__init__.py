@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ...solver.models import Follows
     from ...solver.settings import Run
     from ...study.study import Study
+    from ..requirements.verdict import Verdict
 
 
 class Electrode(Application):
@@ -74,11 +75,11 @@ class Electrode(Application):
         # np.maximum keeps NaN.
         return {"contact_at": device.contact_at, "hold_force": float(np.maximum(held, 0.0))}
 
-    def in_datasheet(self, study: Study, rows: Sequence[Mapping]) -> list[str]:
+    def in_datasheet(self, study: Study, verdicts: Sequence[Verdict]) -> list[str]:
         """A table of the closures under the worst corner of each required shock."""
         from .sheet import sections
 
-        return sections(study, rows)
+        return sections(study, verdicts)
 
 
 application = Electrode()

@@ -1,15 +1,15 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from ...study.study import Study
 from ..application import Config
-from ..requirements.corners import MET, UNCLEAR, VIOLATED, Verdict
-from ..requirements.required import Judged, RequiredShock
+from ..requirements.required import RequiredShock
+from ..requirements.verdict import MET, UNCLEAR, VIOLATED, Verdict
 
 DEMANDS = "closes_within", "stays_closed"
 """Keys of a required closing."""
@@ -23,10 +23,10 @@ class RequiredClosing(RequiredShock):
     closes_within: float | None = None
     stays_closed: float | None = None
 
-    def check(self, study: Config, C: Sequence[float]) -> Judged:
-        """Judge the shock, then its closures; further columns hold these with their margins."""
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
+        """Judge the shock, then its closures; `more` holds these with their margins."""
         demands = self.closes_within, self.stays_closed
-        return [judge_closing(*judged, *demands) for judged in super().check(study, C)]
+        return [judge_closing(verdict, *demands) for verdict in super().check(study, C)]
 
     def require(self, study: Study) -> None:
         """Raise ValueError if the devices lack an electrode, strength or frame."""
@@ -38,30 +38,27 @@ class RequiredClosing(RequiredShock):
 
 
 def judge_closing(
-    verdict: Verdict,
-    closing: Mapping[str, float],
-    closes_within: float | None = None,
-    stays_closed: float | None = None,
-) -> tuple[Verdict, dict[str, float]]:
-    """Add the closures of an electrode to a verdict.
+    verdict: Verdict, closes_within: float | None = None, stays_closed: float | None = None
+) -> Verdict:
+    """Judge the closures of an electrode, which are in `more`, too.
 
-    closing: CLOSING by name; closes_within, stays_closed: one or both of DEMANDS, us
-    Returns the worst verdict, and the closures with `closes_margin`, closes_within over t_closed,
-    and `stays_margin`, closed_for over stays_closed; NaN if the electrode never closes.
+    closes_within, stays_closed: one or both of DEMANDS, us
+    Adds `closes_margin`, closes_within over t_closed, and `stays_margin`, closed_for over
+    stays_closed; NaN if the electrode never closes.
     """
-    outcomes, margins = [verdict.verdict], {}
+    outcomes, more = [verdict.verdict], {**verdict.more}
     if closes_within:
-        closed = closing["t_closed"]
-        outcomes.append(_kept(closes_within - closed, closing["t_closed_error"], verdict))
-        margins["closes_margin"] = closes_within / closed
+        closed = more["t_closed"]
+        outcomes.append(_kept(closes_within - closed, more["t_closed_error"], verdict))
+        more["closes_margin"] = closes_within / closed
     if stays_closed:
-        closed = closing["closed_for"]
-        kept = _kept(closed - stays_closed, closing["closed_for_error"], verdict)
+        closed = more["closed_for"]
+        kept = _kept(closed - stays_closed, more["closed_for_error"], verdict)
         # A contact that is closed at the end of the run may stay closed beyond it.
-        outcomes.append(UNCLEAR if kept == VIOLATED and closing["openings"] == 0 else kept)
-        margins["stays_margin"] = closed / stays_closed
+        outcomes.append(UNCLEAR if kept == VIOLATED and more["openings"] == 0 else kept)
+        more["stays_margin"] = closed / stays_closed
     worst = max(outcomes, key=(MET, UNCLEAR, VIOLATED).index)
-    return verdict._replace(verdict=worst), {**closing, **margins}
+    return replace(verdict, verdict=worst, more=more)
 
 
 def _kept(slack, error, verdict):

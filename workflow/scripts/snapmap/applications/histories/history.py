@@ -149,12 +149,12 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
     return _record(built.with_step(step), cells, study.run, samples=1)[-1]
 
 
-def observed_of(study: Study, N: float, f0: float, C: float) -> dict[str, float]:
+def observed_of(study: Study, N: float, f0: float, C: float) -> tuple[Extremes, dict[str, float]]:
     """Find the extremes of one cell, and what other applications add to its history, by name."""
     built, cells, _ = _cell(study, N, f0, C)
     extremes = _record(built, cells, study.run, samples=1)[-1]
     added = merge(lambda part: part.in_history(built, cells, study.run))
-    return extremes._asdict() | added
+    return extremes, added
 
 
 def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:

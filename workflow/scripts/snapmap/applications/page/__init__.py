@@ -32,7 +32,7 @@ class Page(Application):
         """Write the page."""
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
-        from ..requirements.corners import read_verdicts
+        from ..requirements.verdict import read_verdicts
         from .figure import page  # brings Plotly
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()

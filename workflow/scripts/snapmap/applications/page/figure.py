@@ -29,7 +29,7 @@ from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.study import Study
 from ...sweeps.cube import thin
 from ...values.units import is_plain, of_file, spelling
-from ..requirements.corners import badness, corner_text, end_text
+from ..requirements.verdict import Verdict
 from .forms import LIMITS, NUMBERS, forms, pulses
 
 HERE = Path(__file__).parent
@@ -73,7 +73,7 @@ def page(
     cube: xr.Dataset,
     thresholds: xr.Dataset,
     shown: Mapping[str, Any],
-    verdicts: Sequence[Mapping] = (),
+    verdicts: Sequence[Verdict] = (),
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
@@ -83,7 +83,7 @@ def page(
         written: sections of the devices by name, as the user has them
         title: of the study; pulse: its section, as in `Config`; empty for the handout's
         required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
-    verdicts: rows of requirements.csv, of which the page tells the worst of each of these shocks
+    verdicts: of which the page tells the worst of each of these shocks
     """
     cells, document = thin(cube), config_of(cube.attrs)
     dims, devices = cells.outcome.dims, _devices(document)
@@ -153,12 +153,11 @@ def _data(cells, thresholds, document, shown, verdicts):
 
 def _worst(name, verdicts):
     """Write the worst verdict on a required shock, and how the beam ends there; "" without one."""
-    rows = [row for row in verdicts if row["requirement"] == name]
-    if not rows:
+    of_shock = [verdict for verdict in verdicts if verdict.requirement == name]
+    if not of_shock:
         return ""
-    row = max(rows, key=badness)
-    where = ", ".join(filter(None, [row["device"], corner_text(row)]))
-    return f"{row['verdict']}: {end_text(row)}, at worst ({where})"
+    worst = max(of_shock, key=lambda verdict: verdict.badness)
+    return f"{worst.verdict}: {worst.end_text}, at worst ({worst.corner})"
 
 
 def _simulation(cells, document, pulse):

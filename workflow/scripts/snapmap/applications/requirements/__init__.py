@@ -98,9 +98,14 @@ class Requirements(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
-        from .verdicts import write_verdicts
+        from .summary import sum_up
+        from .verdict import write_verdicts
 
-        write_verdicts(study.of_thresholds(), study.requests["requirements"], path)
+        study, requirements = study.of_thresholds(), study.requests["requirements"]
+        C = study.axes["C"].tolist()
+        verdicts = [verdict for required in requirements for verdict in required.check(study, C)]
+        write_verdicts(verdicts, path)
+        print(f"{path}: {sum_up(study, requirements, verdicts)}")
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""
@@ -109,8 +114,8 @@ class Requirements(Application):
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw the margin of each requirement, a row for each worst corner."""
         from ...figures import style
-        from .corners import corners, read_verdicts
         from .figure import draw_margins
+        from .verdict import corners, read_verdicts
 
         verdicts = read_verdicts(files["requirements"])
         attributes = {"title": "Margins of required shocks"}

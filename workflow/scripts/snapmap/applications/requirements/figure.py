@@ -1,6 +1,6 @@
 """The safety factor of each required shock."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,10 +9,9 @@ from matplotlib.patches import Patch
 
 from ...figures import captions, style
 from ...figures.scales import number, tick, value_text
-from ...solver.settings import SECOND
 from ...study.study import ARRIVES
 from ...values.units import OF_DAMPER, spelling
-from .corners import badness, corners, end_text, must_text
+from .verdict import Verdict, corners, must_text
 
 VERDICTS = {
     "met": {"color": "C0", "marker": "o"},
@@ -26,31 +25,31 @@ BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 
 
-def draw_margins(ax: Axes, verdicts: Sequence[Mapping], unit_of_C: str = OF_DAMPER) -> Axes:
+def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMPER) -> Axes:
     """Draw the safety factor on N of each verdict, with its error bar; logarithmic.
 
-    verdicts: rows of requirements.csv; unit_of_C: as a config spells it
+    unit_of_C: as a config spells it
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
     The factor is the threshold over the required N, or the inverse where the shock must trip: above
     1 the threshold is where it should be.
     """
-    groups = sorted(corners(verdicts), key=lambda group: badness(group[0]), reverse=True)
-    known = [factor for row in verdicts if (factor := _factor(row)) == factor]
+    groups = sorted(corners(verdicts), key=lambda group: group[0].badness, reverse=True)
+    known = [factor for factor in map(_factor, verdicts) if factor == factor]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
     ax.axvspan(1, high, **MET)
-    for place, (row, *others) in enumerate(groups):
+    for place, (worst, *others) in enumerate(groups):
         note = {"va": "center", "fontsize": 6}
-        margin, *of_others = margins = [_factor(each) for each in (row, *others)]
+        margin, *of_others = margins = [_factor(each) for each in (worst, *others)]
         ax.plot(of_others, [place] * len(others), **OTHER)
         if margin == margin:
-            error = margin * row["margin_error"] / row["margin"]
-            ax.errorbar(margin, place, xerr=error, **VERDICTS[row["verdict"]])
+            error = margin * worst.margin_error / worst.margin
+            ax.errorbar(margin, place, xerr=error, **VERDICTS[worst.verdict])
         else:
             ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
-        words = [end_text(row)] if row["must_snap"] in (True, ARRIVES) else []
-        if row["break_probability"] > 1 - row["must_survive"]:
+        words = [worst.end_text] if worst.must_snap in (True, ARRIVES) else []
+        if worst.breaks:
             words.append("the beam breaks")
         first, last = np.fmin.reduce([high, *margins]), np.fmax.reduce([low, *margins])
         is_right = high / last >= first / low
@@ -58,13 +57,12 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping], unit_of_C: str = OF_DAMP
         if words:
             ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
     ax.axvline(1, color="black", linewidth=0.6)
-    ax.set_yticks(
-        range(len(groups)), [_name(row, spelling(unit_of_C).figures) for row, *_ in groups]
-    )
+    unit = spelling(unit_of_C).figures
+    ax.set_yticks(range(len(groups)), [_name(worst, unit) for worst, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
-    kinds = {row["verdict"] for row, *_ in groups}
+    kinds = {worst.verdict for worst, *_ in groups}
     looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
@@ -73,17 +71,16 @@ def draw_margins(ax: Axes, verdicts: Sequence[Mapping], unit_of_C: str = OF_DAMP
     return ax
 
 
-def _factor(row):
+def _factor(verdict):
     """Give the safety factor of a verdict; of a shock that may trip or not, its margin."""
-    return 1 / row["margin"] if row["must_snap"] in (True, ARRIVES) else row["margin"]
+    return 1 / verdict.margin if verdict.must_snap in (True, ARRIVES) else verdict.margin
 
 
-def _name(row, unit):
-    shock = f"{row['shape']} {row['direction'].replace('-', '−')}"
-    start = "from the second shape" if row["start"] == SECOND else ""
-    where = [row["device"], start, shock, f"{number(row['temperature'])} °C"]
-    where = ", ".join(filter(None, [*where, value_text("C", row["C"], unit)]))
-    return f"{required_text(row['requirement'], row['must_snap'])}\n{where}"
+def _name(verdict, unit):
+    shock = f"{verdict.shock.replace('-', '−')}, {number(verdict.temperature)} °C"
+    where = [verdict.device, shock, value_text("C", verdict.C, unit)]
+    name = required_text(verdict.requirement, verdict.must_snap)
+    return f"{name}\n{', '.join(filter(None, where))}"
 
 
 def required_text(name: str, must_snap: bool | str) -> str:

@@ -1,7 +1,7 @@
 """Requirements of a study, objects that check themselves."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -9,10 +9,7 @@ import numpy as np
 from ...study.shock import Shock
 from ...study.study import ANY, Study
 from ..application import Config
-from .corners import Verdict, at_corner
-
-Judged = list[tuple[Verdict, dict[str, float]]]
-"""Verdicts, each with further columns of its row."""
+from .verdict import Verdict, at_corner
 
 
 class Required(Protocol):
@@ -24,7 +21,7 @@ class Required(Protocol):
     @property
     def start(self) -> str: ...
 
-    def check(self, study: Config, C: Sequence[float]) -> Judged:
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
         """Judge each device at each temperature and C (uN us/um)."""
 
     def require(self, study: Study) -> None:
@@ -45,19 +42,19 @@ class RequiredShock(Shock):
     pulse: Mapping[str, Any]
     more: ClassVar[str] = ""
 
-    def check(self, study: Config, C: Sequence[float]) -> Judged:
-        """Judge by threshold and strength; the further columns are extremes and survival."""
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
+        """Judge by threshold and strength."""
         from ..histories.history import free_travel, observed_of
         from .check import check, judge
 
         judged, how = [], (study.threshold_tolerance, study.temperatures)
         for verdict in check(study, [self], C, *how):
-            shaken = at_corner(study, self, verdict._asdict())
-            columns = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
-            moved = columns["toward_max"], columns["away_max"]
-            columns["travel_over_rise"] = free_travel(shaken.device, *moved)
-            verdict, survival = judge(verdict, shaken.device, columns["stress_max"], self.survives)
-            judged.append((verdict, columns | survival._asdict()))
+            shaken = at_corner(study, self, verdict)
+            extremes, more = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            moved = extremes.toward_max, extremes.away_max
+            travel = free_travel(shaken.device, *moved)
+            found = replace(verdict, **extremes._asdict(), travel_over_rise=travel, more=more)
+            judged.append(judge(found, shaken.device, self.survives))
         return judged
 
     def require(self, study: Study) -> None:

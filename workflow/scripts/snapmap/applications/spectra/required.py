@@ -1,13 +1,16 @@
-"""Required vibration and required shock response spectra."""
+"""Required vibration and required shock response spectra, and their verdicts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
+import numpy as np
+
+from ...pulse.shocks import make_shocks
 from ...solver.settings import FIRST
-from ...study.study import Study
+from ...study.study import ARRIVES, Study
 from ..application import Config
-from ..requirements.required import Judged
+from ..requirements.verdict import MET, UNCLEAR, VIOLATED, Verdict, each_device
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,15 @@ class Shaking:
         """Give a study of a beam at rest in its first shape."""
         return replace(study, run=study.run.but(start=self.start))
 
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
+        """Judge each device at each temperature by the level from which it trips."""
+        each = each_device(self.shaken(study), study.temperatures)
+        return [verdict for name, shaken in each for verdict in self.judged(shaken, name, C)]
+
+    def judged(self, study: Study, device: str, C: Sequence[float]) -> Iterator[Verdict]:
+        """Judge one device, of this name, at each C (uN us/um)."""
+        raise NotImplementedError
+
     def require(self, study: Study) -> None:
         """Raise ValueError if a force pushes the beam, as then no frame is shaken."""
         study.require_frame("a spectrum among the requirements")
@@ -29,6 +41,29 @@ class Shaking:
     def plain(self) -> dict[str, Any]:
         """All values; they are plain."""
         return asdict(self)
+
+    def _verdict(self, place, snapped, bounds):
+        """Make a verdict.
+
+        place: its fields of shock and corner; bounds: ends of its level, the level, and its error
+        """
+        low, high, level, error = bounds
+        # ASSUME: a beam need only arrive, as vibration has no end after which it could stay.
+        N, must, verdict = place["N"], bool(self.snaps), UNCLEAR
+        if low > N or high < N:
+            verdict = MET if (high < N) == must else VIOLATED
+        return Verdict(
+            **place,
+            requirement=self.name,
+            f0=np.nan,
+            must_snap=must and ARRIVES,
+            outcome="snapped" if snapped else "unsnapped",
+            N_first=level,
+            N_error=error,
+            margin=level / N,
+            margin_error=error / N,
+            verdict=verdict,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +74,24 @@ class RequiredVibration(Shaking):
     duration: float
     probability: float
 
-    def check(self, study: Config, C: Sequence[float]) -> Judged:
-        """Judge by the level at which a trip is as probable as allowed; no further columns."""
-        from .verdicts import check_vibration
+    def judged(self, study: Study, device: str, C: Sequence[float]) -> Iterator[Verdict]:
+        """Judge by the level of the vibration at which a trip is as probable as allowed.
 
-        return [(verdict, {}) for verdict in check_vibration(study, self, C, study.temperatures)]
+        N, N_first, N_error are levels in g rms; N_error is the wider half of the bounds.
+        """
+        from .psd import Spectrum  # late, as what follows cells takes long to import
+        from .vibration import RECORDS, SEED, vibration_of
+
+        reach = 1 - self.probability if self.snaps else self.probability
+        drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": self.duration}
+        rates = vibration_of(study, {"C": C}, Spectrum(self.psd), drawn)
+        place = {"device": device, "temperature": study.device.temperature, "shape": "random"}
+        place |= {"direction": "both", "N": rates.rms.item(), "duration": 1e3 * self.duration}
+        keys = "snaps", "level_low", "level_high", "level"
+        columns = (rates[key].values.tolist() for key in keys)
+        for damping, snaps, low, high, level in zip(C, *columns, strict=True):
+            error = max(high - level, level - low) if np.isfinite(level) else np.nan
+            yield self._verdict(place | {"C": damping}, snaps > 0, (low, high, level, error))
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +101,26 @@ class RequiredSpectrum(Shaking):
     srs: list[list[float]]
     direction: str
 
-    def check(self, study: Config, C: Sequence[float]) -> Judged:
-        """Judge by the factor of the spectrum from which its records trip; no further columns."""
-        from .verdicts import check_spectrum
+    def judged(self, study: Study, device: str, C: Sequence[float]) -> Iterator[Verdict]:
+        """Judge by the factor of the spectrum from which its records trip.
 
-        return [(verdict, {}) for verdict in check_spectrum(study, self, C, study.temperatures)]
+        If it must snap, all records snap it. N, N_first, N_error are factors of the spectrum;
+        N_error is half a step of them.
+        """
+        from .srs import check_points
+        from .trips import FACTORS, RECORDS, SEED, ends, trips_of
+
+        must, drawn = self.snaps, {"records": RECORDS, "seed": SEED}
+        for shocks in make_shocks(direction=self.direction).each():
+            try:
+                tested = trips_of(study.under(shocks), {"C": C}, check_points(self.srs), drawn)
+            except ValueError as error:  # a spectrum that no record meets is seen only here
+                raise ValueError(f"{self.name}: {error}") from None
+            place = {"device": device, "temperature": study.device.temperature}
+            place |= {"shape": "spectrum", "direction": shocks.direction, "N": 1.0}
+            for damping, snaps in zip(C, tested.snaps.values, strict=True):
+                low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
+                snapped = (np.all if must else np.any)(snaps[:, FACTORS.index(1.0)] == 1)
+                level = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
+                corner = place | {"duration": np.nan, "C": damping}
+                yield self._verdict(corner, snapped, (low, high, *level))
