@@ -15,7 +15,6 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
-from .solver.settings import Run
 from .study.study import Study
 from .values import calls
 from .values.units import OF_DAMPER
@@ -30,7 +29,6 @@ ELSEWHERE = {
         for field in fields(made)
         if field.name != "name"
     },
-    **{f.name: f"; write Study(device, run={{'{f.name}': ...}})" for f in fields(Run)},
     **{f.name: f"; write Study(device, {f.name}=...)" for f in fields(Study)},
 }
 """Where a value belongs that a function does not take, by its name."""
@@ -85,7 +83,7 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
 def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
-    yield from unusual_runs(horizon=study.run.horizon, **({} if N is None else {"N": N}))
+    yield from unusual_runs(horizon=study.horizon, **({} if N is None else {"N": N}))
     for pulse in study.shocks.shapes.values():
         yield from (f"{pulse.name}: {note}" for note in pulse.notes)
     C, f0 = (values.get(key) for key in ("C", "f0"))

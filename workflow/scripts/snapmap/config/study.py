@@ -1,7 +1,7 @@
 """The conversion of a config document to a `Config` in internal units."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -85,7 +85,7 @@ class Config(Study):
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
-        return replace(self, run=self.run.but(until="settled", repeat=True))
+        return self.but(until="settled", repeat=True)
 
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that the config names, as it was read, by path."""
@@ -101,7 +101,7 @@ def planned_study(document: Mapping, threads: int) -> Config:
     """Load the study of a job by its run's config; ValueError for a file edited since."""
     study = load_config(document)
     hold_to_plan(study.files())
-    return replace(study, run=study.run.but(threads=threads))
+    return study.but(threads=threads)
 
 
 def load_config(document: Mapping) -> Config:
@@ -138,7 +138,7 @@ def _convert(source, renamed, unit_of_C):
     if grid:
         maps, curves = views("maps", "y"), views("thresholds", "lines")
         faults.catch(("run",), require_start, parts.run.start, grid.device)
-    how = {"model": parts.model, "run": parts.run, "skip": parts.skip}
+    how = {"model": parts.model, "skip": parts.skip, **vars(parts.run)}
     how |= {"pulse": shocks.pulse, "direction": shocks.direction}
     faults.catch(("device",), lambda: Study(device, **how))  # refuses some forces
     faults.refuse()

@@ -135,7 +135,7 @@ def plot_outcome(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> ax = snapmap.plot_outcome(snapmap.sweep(study, [900, 1100], [500, 1500], 25))
     >>> ax.get_title().splitlines()[0][:8]
     '$C$ = 25'

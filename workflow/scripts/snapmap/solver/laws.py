@@ -172,6 +172,7 @@ class LawsKind(Kind):
 
     need = "the path of a Python file with laws, or functions by name"
     asks = "the path of a Python file in the study's folder"
+    type = str | Mapping[str, Callable]
 
     def convert(self, value: object, reading: Reading) -> Laws:
         """Take laws, or read a file, of a config one in the study's folder."""

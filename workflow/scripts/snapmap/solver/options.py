@@ -135,7 +135,7 @@ def reference(
     --------
     >>> device = snapmap.load_device("config/config.yaml")
     >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> study = snapmap.Study(device, model=cubic, run={"horizon": 0})
+    >>> study = snapmap.Study(device, model=cubic, horizon=0)
     >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
     'snapped'
     """
@@ -146,12 +146,14 @@ def reference(
 
 Chosen = Auto | Cosines | Elements | Reference
 MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
+PARTS = {"cosines": "modes", "elements": "elements"}
+"""Option that a number before the name of a model gives."""
 
 
 class ModelKind(Kind):
     """A model: its name, a mapping of name and options, a record, or a solver of one's own."""
 
-    need = f"one of {', '.join(MODELS)}, what reference makes, or a solver of your own"
+    need = f"one of {', '.join(MODELS)}, as '3 cosines', what reference makes, or a solver"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
@@ -166,9 +168,19 @@ class ModelKind(Kind):
                 return Reference(laws=value)
             if callable(value) and not isinstance(value, type):
                 return reference(solver=value)
-            if isinstance(value, str) and value in MODELS:
-                return MODELS[value]()
+            if isinstance(value, str):
+                return self._of_name(value)
         raise self.refuse(value, reading)
+
+    def _of_name(self, value):
+        """Make a model by its name, behind a number of parts or not."""
+        number, _, name = value.rpartition(" ")
+        if name in PARTS and number.isdigit():
+            return build(MODELS[name], {PARTS[name]: int(number)})
+        if value not in MODELS:
+            near = nearest(value, MODELS)
+            raise ValueError(f"{self.refuse(value)}{f'; did you mean {near}?' if near else ''}")
+        return MODELS[value]()
 
     def _of_section(self, value, reading):
         """Read a section; of an unknown name, as the model that has most of its options."""
@@ -177,7 +189,7 @@ class ModelKind(Kind):
             wrong = [f".name: missing; write one of {', '.join(MODELS)}"]
         elif name not in [*MODELS]:
             say = describe if reading.written else show
-            near = nearest(str(name), [*MODELS])
+            near = nearest(str(name), MODELS)
             hint = f"; did you mean {near}?" if near else ""
             wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{hint}"]
         elif name == Auto.name and "laws" in value:

@@ -1,7 +1,7 @@
 """A shock under which a device must, or must not, snap."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated
 
 from ..pulse.shocks import Directions, Pulses, Shocks
@@ -36,7 +36,7 @@ class Shock:
 
     def shaken(self, study: Study) -> Study:
         """Give a study under this shock, with its own pulses and start."""
-        return replace(study, run=study.run.but(start=self.start)).under(self.shocks)
+        return study.but(start=self.start).under(self.shocks)
 
 
 @record

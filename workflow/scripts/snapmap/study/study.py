@@ -47,7 +47,7 @@ Devices = Annotated[Device | Mapping[str, Device], DEVICES]
 
 
 @record
-class Study:
+class Study(Run):
     """A device, or several, under a shock; what every function works on.
 
     A Device alone is taken as a study of it.
@@ -55,20 +55,19 @@ class Study:
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> snapmap.Study(device, model="cosines", run={"horizon": "0.5 ms"}).run.horizon
-    500.0
+    >>> study = snapmap.Study(device, "3 cosines", until="snap", horizon="0.5 ms")
+    >>> study.model, study.horizon
+    (Cosines(modes=3), 500.0)
     """
 
     device: Devices
     """one device, or several by name, which are an axis"""
     model: Model = Auto()
-    """how a cell is simulated: one of the models, or its name"""
+    """how a cell is simulated: a model, its name, or with a number, as "3 cosines\""""
     pulse: Pulses = HANDOUT_SHOCK.pulse
     """the shock: a shape, a Pulse, or a train or drop as in a config; several are an axis"""
     direction: Directions = "+z"
     """+z presses the mass on the beam; several, or both, are an axis"""
-    run: Run = Run()
-    """how each cell is followed"""
     skip: Truth = False
     """whether devices without a second stable shape are left out, not refused"""
 
@@ -124,6 +123,6 @@ class Study:
 
         keys: names of the values of the run to include; all by default
         """
-        run, sections = self.run.section(), device_sections(self.device) | self.shocks.section()
+        run, sections = self.section(), device_sections(self.device) | self.shocks.section()
         run = {key: run[key] for key in keys or run if key in run}
         return sections | {"model": section_of(self.model), "run": run}

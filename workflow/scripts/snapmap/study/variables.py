@@ -97,7 +97,7 @@ def words(variable: FlagVariable) -> xr.DataArray:
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25)
     >>> (snapmap.words(cube.outcome) == "snapped").values.ravel().tolist()
     [False, True]

@@ -81,7 +81,7 @@ def sweep(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25, axes={"thickness": [1.9, 2.0]})
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
@@ -94,7 +94,7 @@ def sweep(
             "fewer, or a config"
         )
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.run.start)
+    built = choose_model(grid.device, study.model, study.start)
     values = follow_rows(built, rows_of(grid), grid.axes["N"], study.run, observers)
     values = {key: column.reshape(grid.shape) for key, column in values.items()}
     return with_summary(as_cube(grid.axes, values, study.document()))

@@ -39,7 +39,7 @@ def slab_name(study: Study, slab: Slab) -> str:
     part = study.part(slab)
     nominal = [asdict(device) for device in part.devices().values()]
     pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
-    common = [nominal, section_of(study.model), study.run.section(), pulses, list(slab), single]
+    common = [nominal, section_of(study.model), study.section(), pulses, list(slab), single]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
     texts = plain, f"[{others}]"
@@ -134,7 +134,7 @@ def _follow_unknown(grid, study, observers, variables, known):
     """Follow unknown cells, rows with the same gaps at once, and put them into the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, study.model, study.run.start)
+    built = choose_model(grid.device, study.model, study.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)

@@ -89,7 +89,7 @@ def thresholds_of(
     grid = study.set_out(axes)
     search = search_of(study, grid)._replace(tolerance=tolerance, highest=highest)
     columns, rows, decides = _search(search, grid), search.rows, search.models.decides
-    columns["N_bound"][least_amplitudes(decides, rows, study.run.start) == 0] = np.nan
+    columns["N_bound"][least_amplitudes(decides, rows, study.start) == 0] = np.nan
     warn_of_bars(columns["N_first"], columns["N_error"], tolerance)
     columns["N_latched"] = _find_latched(search, columns)
     peak = np.array([pulse.peak for pulse in rows.pulses])
@@ -123,7 +123,7 @@ def first_snaps(
 
 def search_of(study: Study, grid: Grid) -> Search:
     """Make the search for the thresholds of a grid of a study."""
-    models = choose_survey(grid.device, study.model, study.run.start)
+    models = choose_survey(grid.device, study.model, study.start)
     return Search(models, rows_of(grid), study.run)
 
 

@@ -7,7 +7,7 @@ line for each.
 """
 
 import inspect
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
@@ -96,7 +96,7 @@ def _remedy(key, known, elsewhere):
     return f"; known here are {', '.join(names)} and {len(known) - len(names)} others"
 
 
-def nearest(name: str, known: Sequence[str]) -> str:
+def nearest(name: str, known: Iterable[str]) -> str:
     """Give the known name that a misspelt one is most like, or an empty one."""
     near = get_close_matches(name, known, 3, 0.75)
     return min(near, key=lambda word: sorted(word) != sorted(name), default="")

@@ -2,12 +2,17 @@
 
 import functools
 import inspect
+import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from types import NoneType
+from typing import Any, get_args
 
-from .arguments import Reading, by_name, convert
+from .arguments import Argument, Reading, by_name, convert
 from .faults import Faults, WrongCall
 from .kinds import argument_of
+
+FOLDERS = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z]|ndarray)")
+"""The module before a type's name."""
 
 
 def checked(
@@ -39,13 +44,31 @@ def checked(
         with prepare(function, values):
             return function(**values)
 
-    plain = [part.replace(annotation=_plain(part, arguments)) for part in parameters.values()]
-    call.__signature__ = signature.replace(parameters=plain)
+    call.__signature__ = shown(signature, arguments)
     return call
 
 
-def _plain(part, arguments):
-    """Give the type of an argument, as a reader knows it."""
-    argument = arguments[part.name]
-    plain = argument.kind.type
-    return plain | None if argument.may_be_none else plain
+class _Words(str):
+    """Words that a signature shows as they are."""
+
+    __repr__ = str.__str__
+
+
+def shown(signature: inspect.Signature, arguments: Mapping[str, Argument]) -> inspect.Signature:
+    """Give a signature whose types are those that a reader knows."""
+    parameters = [
+        part.replace(annotation=_typed(part.annotation, arguments[key].kind))
+        for key, part in signature.parameters.items()
+    ]
+    returned = _typed(signature.return_annotation, None)
+    return signature.replace(parameters=parameters, return_annotation=returned)
+
+
+def _typed(hint, kind):
+    """Name the type of an annotation."""
+    noted = next((p for p in (hint, *get_args(hint)) if hasattr(p, "__metadata__")), None)
+    if noted:
+        own = noted.__origin__
+        shown = kind.type if own is Any else own
+        hint = shown | None if NoneType in get_args(hint) else shown
+    return _Words(FOLDERS.sub("", inspect.formatannotation(hint)))

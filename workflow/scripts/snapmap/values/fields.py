@@ -66,7 +66,7 @@ class Row(NamedTuple):
 def rows(made: type) -> Iterator[Row]:
     """Yield a row for each key of a record."""
     instead = instead_of(made)
-    for field in fields(made):
+    for field in sorted(fields(made), key=lambda field: bool(field.kw_only)):
         kind = kind_of(hints(made)[field.name])
         needed = field.default is MISSING or instead.get(field.name) == []
         what, default = sentences(made).get(field.name, ""), None

@@ -19,7 +19,7 @@ import numpy as np
 from ..files.text import describe, plain, show
 from ..numerics.portable import geometric, linear
 from . import units
-from .arguments import PYTHON, Argument, Reading, convert, lines_of
+from .arguments import PYTHON, Argument, Reading, convert, lines_of, nearest
 from .faults import Faults, few, line_at, within
 
 Number = float | np.ndarray
@@ -451,7 +451,9 @@ class Word(Kind):
         """Take one of the words."""
         value = bool(value) if isinstance(value, np.bool_) else value
         if not isinstance(value, str | bool) or value not in self.words:
-            raise self.refuse(value, reading)
+            near = nearest(str(value), [word for word in self.words if isinstance(word, str)])
+            hint = f"; did you mean {near}?" if near else ""
+            raise ValueError(f"{self.refuse(value, reading)}{hint}")
         return value
 
     def schema(self) -> dict:

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..files.text import show
 from .arguments import PYTHON, Argument, Reading, by_name, convert, lines_of
+from .calls import shown
 from .faults import Faults, WrongCall, line_at, within
 from .fields import Docstring, beside, hints, instead_of, rows, summary
 from .kinds import Kind, argument_of, kind_of
@@ -38,8 +39,22 @@ def record(made: type[Made]) -> type[Made]:
     made = dataclass(frozen=True, repr=False)(made)
     made.__doc__ = Docstring(words)
     made.kind_of_record = RecordKind(made)
+    made.__signature__ = _Signature(inspect.signature(made.__init__))
     made.__init__ = _converting(made.__init__)
     return made
+
+
+class _Signature:
+    """The signature of a record, with types that a reader knows, once someone asks for it."""
+
+    def __init__(self, signature):
+        """Take that of `__init__`."""
+        _, *parameters = signature.parameters.values()
+        self.signature = signature.replace(parameters=parameters)
+
+    def __get__(self, whole, made):
+        """Name the types."""
+        return shown(self.signature, made.kind_of_record.arguments)
 
 
 def _converting(initialize):

@@ -105,7 +105,7 @@ def _runs(study):
     """Count the runs of a user's own solver, whose core time is unknown."""
     cells = prod(study.grid.shape)
     rows = cells // study.grid.axes["N"].size
-    runs = cells * (1 + study.run.repeat)
+    runs = cells * (1 + study.repeats)
     return (
         f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
         "more where they are ragged"

@@ -86,9 +86,9 @@ def _timed(do, *arguments):
 
 def _cell_seconds(study, grid):
     """Estimate the core time of the cells of a grid, at all N of the study, s."""
-    built = choose_model(grid.device, study.model, study.run.start).levels[0]
+    built = choose_model(grid.device, study.model, study.start).levels[0]
     rows = rows_of(grid)
-    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.run.horizon)
+    cells = rows.take(rows.device >= 0).cells(built.device, 0.0, study.horizon)
     seconds = steps_and_seconds(built, cells, study.run)[1].sum()
     for part in attached().values():
         seconds += np.sum(part.observing(built, cells, study.run))
@@ -97,7 +97,7 @@ def _cell_seconds(study, grid):
 
 def _follow(study, axes):
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.run.start)
+    built = choose_model(grid.device, study.model, study.start)
     follow_rows(built, rows_of(grid), study.axes["N"], study.run, observers())
 
 

@@ -104,12 +104,12 @@ def design(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> study = snapmap.Study(device, model="cosines", horizon=0)
     >>> made = snapmap.design(study, "thickness", N=1100, f0=1500, C=25, between=(2.0, 2.2))
     >>> round(made.value, 1)
     2.1
     """
-    start = study.run.start
+    start = study.start
     required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
@@ -205,7 +205,7 @@ def _threshold_finder(study, value, C, goals) -> Callable:
         N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mask = starts[i] == start
-            started = replace(study, run=study.run.but(start=str(start)))
+            started = study.but(start=str(start))
             values = {value: tried.ravel()[mask]}
             dampers = values.pop("C", C)
             N_first[mask], error[mask], exists[mask] = thresholds_at(

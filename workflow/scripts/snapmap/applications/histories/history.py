@@ -79,7 +79,7 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> study = snapmap.Study(device, model="cosines", horizon=0)
     >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
     >>> snapmap.words(run.outcome).item(), round(run.t_snap.item())
     ('snapped', 365)
@@ -159,9 +159,9 @@ def observed_of(study: Study, N: float, f0: float, C: float) -> tuple[Extremes, 
 
 def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
-    horizon, pulses = study.run.horizon, study.shocks.pulses
+    horizon, pulses = study.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
-    model = choose_model(study.device, study.model, study.run.start).levels[-1]
+    model = choose_model(study.device, study.model, study.start).levels[-1]
     moved = study.run.but(until="moved")
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)

@@ -72,7 +72,7 @@ def _snap_scales(study, device, pulse, thresholds):
     N, error = (thresholds[key].values.ravel() for key in ("N_first", "N_error"))
     known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
     rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
-    model = choose_survey(device, study.model, study.run.start).levels[-1].decides
+    model = choose_survey(device, study.model, study.start).levels[-1].decides
     probe = Probe(model, rows, study.run)
     exact = lowest_snap(probe, (N - off, N + off), EXACT, STEP)
     t_snap = probe(np.multiply.outer(exact, 1 + ABOVE))

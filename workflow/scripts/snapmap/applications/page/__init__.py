@@ -18,7 +18,7 @@ class Page(Application):
         """The page, with what the cube does not hold."""
         from .. import gather
 
-        marks, start = gather(lambda part: part.marks(study)).values(), study.run.start
+        marks, start = gather(lambda part: part.marks(study)).values(), study.start
         each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
         required = [
             (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
@@ -26,7 +26,7 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.shock, "written": study.written}
-        return {"explore": shown | {"horizon": study.run.horizon, "required": required}}
+        return {"explore": shown | {"horizon": study.horizon, "required": required}}
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""

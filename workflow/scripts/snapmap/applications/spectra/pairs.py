@@ -21,6 +21,7 @@ class Points(Kind):
     noun: str
     unit: str
     example: str
+    type = list[tuple[float, float]]
 
     @property
     def need(self) -> str:  # type: ignore[override]

@@ -33,7 +33,7 @@ def made_seconds(
         model = choose_survey(batch([device]), study.model).decides
         seconds += _of_rows(Probe(model, rows, study.run), every)
         if device.beam.damping > 0:
-            cells = rows.cells(model.device, axes["N"], study.run.horizon)
+            cells = rows.cells(model.device, axes["N"], study.horizon)
             _, to_end = steps_and_seconds(model, cells, study.run)
             seconds += tolerances.followed(to_end.size) * float(to_end.sum())
         for required in requirements:
