@@ -25,7 +25,7 @@ from snapmap.thresholds.probe import Probe, lowest_snap
 from .common import ROOT, command_device, cpu_seconds, few, number
 from .tables import Table, write
 
-SETTINGS = Run(300.0, repeat=False).but(until="edge")
+SETTINGS = Run(horizon=300.0, repeat=False).but(until="edge")
 CELLS, F0_RANGE, ROWS = (25, 20), (500.0, 10e3), 20
 """Numbers of N and f0; Hz; number of thresholds."""
 FINE, SNAPS, TOLERANCE = 0.25, 5, 1e-7

@@ -145,7 +145,7 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Run(horizon), rules)
+    return errors_of_rows(device, rows, Run(horizon=horizon), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):
@@ -171,7 +171,7 @@ def errors_of_rows(device, rows, settings, rules=RULES):
 def stays():
     """Yield rows of the share of cells that end in the second shape, by contact and step."""
     N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
-    settings = Run(6000.0)
+    settings = Run(horizon=6000.0)
     device = with_beam(command_device(), damping=1e-3)
     for contact in few(CONTACTS):
         held = replace(device, contact=contact)

@@ -4,9 +4,8 @@ import random
 
 import yaml
 
-from snapmap.applications import attached
 from snapmap.config.study import load_config
-from snapmap.workflow.forecast import search_seconds
+from snapmap.workflow.cost import core_seconds
 from snapmap.workflow.plan import make_plan
 
 MOST_SECONDS = 15
@@ -49,9 +48,7 @@ def random_study(seed):
 
 
 def _seconds(study):
-    searches = search_seconds(study.of_thresholds(), study.grid)
-    costs = sum(part.cost(study) for part in attached().values())
-    return 3 * make_plan(study).seconds + searches + costs
+    return core_seconds(study, make_plan(study))
 
 
 class Drawn:

@@ -89,7 +89,7 @@ def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(valu
 def test_a_free_decay_measures_the_quality_factor_of_the_mass():
     study = load_config(changed(DOCUMENT, device__quality_factor=20))
     (C,) = study.axes["C"]
-    asked = snapmap.Study(study.device, model=study.model, run={"horizon": 3000.0})
+    asked = snapmap.Study(study.device, model=study.model, horizon=3000.0)
     run = snapmap.simulate(asked, 0.1, 50e3, C)
     after = run.time > 25.0
     omega, quality = decay(run.time.values[after], run.z_mass.values[after] - 10.0 - 5.0)

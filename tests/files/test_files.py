@@ -24,7 +24,7 @@ from snapmap.thresholds.summary import tidy
 
 @pytest.fixture(scope="module")
 def study(handout):
-    return snapmap.Study(handout, model=Cosines(modes=3), run={"horizon": 300.0})
+    return snapmap.Study(handout, model=Cosines(modes=3), horizon=300.0)
 
 
 def test_each_threshold_is_a_row(study):

@@ -22,7 +22,7 @@ from snapmap.values.kinds import ANYTHING, kind_of
 from snapmap.values.records import told
 
 SINGLE = {"N": 1000.0, "f0": 1500.0, "C": 25.0}
-CHEAP = {"model": snapmap.Cosines(modes=3), "run": {"horizon": 0.0}}
+CHEAP = {"model": snapmap.Cosines(modes=3), "horizon": 0.0}
 DEVICE = Device(Beam(600.0, 10.0, 2.0, 22.0, 150e3, 2.33e-3), 1e4, 5.5, 40.0, 9.81e-6)
 SHOTS = {"N": [800, 900, 950, 1000], "tripped": [0, 0, 1, 1], "duration": [1000.0] * 4}
 WRONG = (
@@ -35,7 +35,7 @@ WRONG = (
 """Right for no argument but those of `RIGHT`."""
 RIGHT = {
     **{"sha256": ("",), "requirements": ([], ()), "together": ([], (), [[]]), "axes": ({},)},
-    **{"f0": ("1500 Hz",), "pulse": ({},), "run": ({},)},
+    **{"f0": ("1500 Hz",), "pulse": ({},)},
     "source": [value for value in WRONG if isinstance(value, dict)],  # a line for each fault of it
 }
 
@@ -182,8 +182,8 @@ def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_call
 
 
 OF_STUDY = (
-    *(("run", {"threads": 0}), ("run", {"threads": 1025}), ("run", {"energy_tolerance": 1.0})),
-    *(("run", {"horizon": -1e-9}), ("run", {"start": "third"}), ("run", {"until": "moved"})),
+    *(("threads", 0), ("threads", 1025), ("energy_tolerance", 1.0)),
+    *(("horizon", -1e-9), ("start", "third"), ("until", "moved")),
     *(("skip", [True]), ("direction", []), ("direction", "up"), ("direction", ["+z"] * 2)),
     *(("model", "auto "), ("model", {"name": "cosines", "elements": 5}), ("model", {"modes": 3})),
     *(("model", {"name": "cosines", "modes": 3.5}), ("pulse", "half  sine"), ("pulse", [])),
@@ -192,7 +192,7 @@ OF_STUDY = (
 
 
 def test_a_wrong_value_of_a_study_is_one_line_that_names_it():
-    every = itertools.product(("device", "pulse", "run", "skip"), WRONG)
+    every = itertools.product(("device", "pulse", "horizon", "skip"), WRONG)
     for key, value in [*OF_STUDY, *(one for one in every if not is_right(*one))]:
         with pytest.raises((ValueError, TypeError)) as caught:
             snapmap.Study(**{"device": DEVICE, key: value})
@@ -219,8 +219,8 @@ def test_a_misspelt_argument_is_named_with_the_right(right_calls):
 def test_what_belongs_elsewhere_is_told_where(right_calls):
     sweep = right_calls["sweep"]
     where = {
-        **{"thickness": "axes={'thickness'", "horizon": "run={'horizon'", "pulse": "pulse=..."},
-        **{"modes": "'modes'", "model": "Study(device, model", "threads": "run={'threads'"},
+        **{"thickness": "axes={'thickness'", "horizon": "horizon=...", "pulse": "pulse=..."},
+        **{"modes": "'modes'", "model": "Study(device, model", "threads": "threads=..."},
     }
     for key, words in where.items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument; write ") as caught:
@@ -293,7 +293,7 @@ def test_what_takes_long_is_told_before_it_begins(handout, monkeypatch):
     with pytest.warns(UserWarning, match=r"^simulate: .*, most of it at f0 = 1500 Hz"):
         snapmap.simulate(study, **SINGLE)
     with pytest.raises(ValueError, match=r"^simulate: .*; write a higher f0 or a shorter horizon"):
-        snapmap.simulate(replace(study, run={"horizon": 1e300}), **SINGLE)
+        snapmap.simulate(replace(study, horizon=1e300), **SINGLE)
     monkeypatch.setattr("snapmap.solver.cost.MOST_SECONDS", 0.0)
     with pytest.raises(ValueError, match=r"^vibration: .*; write a higher lowest frequency"):
         snapmap.vibration(study, psd, 0.01, **shaken)
@@ -407,9 +407,9 @@ def test_numbers_of_pulses_are_plain():
 
 @pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64, np.array, xr.DataArray])
 def test_calls_give_the_same_by_numbers_of_each_kind(handout, kind):
-    of_study = snapmap.Cosines(modes=np.int64(3)), {"horizon": kind(0.0), "until": "snap"}
-    other = snapmap.Study(handout, model=of_study[0], run=of_study[1])
-    study = snapmap.Study(handout, model=CHEAP["model"], run={"horizon": 0.0, "until": "snap"})
+    chosen = snapmap.Cosines(modes=np.int64(3))
+    other = snapmap.Study(handout, model=chosen, horizon=kind(0.0), until="snap")
+    study = snapmap.Study(handout, model=CHEAP["model"], horizon=0.0, until="snap")
     numbers = {key: kind(SINGLE[key]) for key in SINGLE}
     for call in (snapmap.simulate, snapmap.sweep):
         made = call(other, **numbers)

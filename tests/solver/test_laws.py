@@ -1,19 +1,19 @@
 """Laws of a user's own, the examples among them, against SciPy and closed forms."""
 
-import json
 import re
 import runpy
 from dataclasses import replace
 from functools import cache
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 from small_studies import THREE_COSINES
 
 import snapmap
+from snapmap import Study
 from snapmap.applications import gather
 from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
@@ -28,15 +28,15 @@ from snapmap.solver.cells import to_rows
 from snapmap.solver.laws import PARAMETERS, Laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import nodal_system
-from snapmap.solver.options import Reference
-from snapmap.solver.outcome import FAILED, SNAPPED, UNSNAPPED
+from snapmap.solver.options import MODELS, Reference
+from snapmap.solver.outcome import SNAPPED
 from snapmap.solver.settings import Run
 from snapmap.study.provenance import device_sections
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.values.faults import Faults
 
 F0 = 1500.0
-SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um], horizon: 0 us}"
+SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um]}\nrun: {horizon: 0 us}"
 
 
 @pytest.fixture
@@ -87,9 +87,9 @@ def test_the_examples_move_as_scipy_says(handout, laws, damping, contact, C):
     both = replace(laws(damping), contact=laws(contact).contact)
     model = snapmap.reference(damping=both.damping, contact=both.contact)
     asked = {"horizon": 100.0, "until": "snap"}
-    cube = flat.sweep(handout, [2500.0], [F0], [C], model, repeat=True, **asked)
+    cube = snapmap.sweep(Study(handout, model, repeat=True, **asked), [2500.0], [F0], [C])
     assert cube.t_snap.item() == pytest.approx(scipy_snap(handout, both, 2500.0, C), abs=0.01)
-    without = flat.sweep(handout, [2500.0], [F0], [C], "reference", **asked)
+    without = snapmap.sweep(Study(handout, "reference", **asked), [2500.0], [F0], [C])
     assert not abs(cube.t_snap - without.t_snap) <= 0.1  # or none
     assert cube.outcome == SNAPPED and cube.reproduced == 1  # open: nothing is proven
 
@@ -99,13 +99,13 @@ def double_well(request, handout, laws):
     """A device of one degree of freedom, its laws and its model, in either loop."""
     device = replace(handout, contact=500.0, spring=0.05)
     model = {"force": laws("double_well").force, "contact": laws("fixed_mass").contact}
-    made = flat.model(request.param, laws=model)
+    made = MODELS[request.param](laws=model)
     return device, made, build_model(batch([device]), made)
 
 
 def first_snap(model, rows, expected, tolerance):
     bracket = 0.9 * expected, 1.1 * expected
-    return lowest_snap(Probe(model, rows, Run(1500.0)), bracket, tolerance).item()
+    return lowest_snap(Probe(model, rows, Run(horizon=1500.0)), bracket, tolerance).item()
 
 
 def test_a_short_pulse_must_bring_the_energy_of_the_saddle_a_slow_one_the_force(double_well, laws):
@@ -159,7 +159,7 @@ def test_a_contact_has_an_energy_that_proves_or_has_not(handout, contact, gap, s
 
 def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     device, model, _ = double_well
-    run = flat.simulate(device, 400, 500, 0.0, model=model, horizon=0.0)
+    run = snapmap.simulate(Study(device, model, horizon=0.0), 400, 500, 0.0)
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == SNAPPED
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all()
@@ -167,7 +167,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     if model.name == "reference":
         only = r"model\.laws: of reference work only with simulate, sweep, threshold; write a model"
         with pytest.raises(ValueError, match=only):
-            flat.tolerance(device, {"mass": 1.0}, N=[1], f0=[1], C=[1], model=model)
+            snapmap.tolerance(Study(device, model), {"mass": 1.0}, N=[1], f0=[1], C=[1])
 
 
 def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handout):
@@ -176,21 +176,20 @@ def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handou
     def stiffer(stiffness, overlap):
         return 200 * stiffness * max(0.0, overlap)
 
-    asked = {"N": [1500.0], "f0": [F0], "C": [25.0], "until": "snap", "horizon": 50.0}
-    cube = flat.sweep(handout, **asked, model=snapmap.reference(contact=stiffer))
+    how = {"until": "snap", "horizon": 50.0}
+    asked = {"N": [1500.0], "f0": [F0], "C": [25.0]}
+    cube = snapmap.sweep(Study(handout, snapmap.reference(contact=stiffer), **how), **asked)
     hard = replace(handout, contact=200 * handout.contact)
-    plain = flat.sweep(hard, **asked, model="reference")
+    plain = snapmap.sweep(Study(hard, "reference", **how), **asked)
     assert cube.halvings > 0 and abs(cube.t_snap - plain.t_snap) < 0.2
 
 
 REFUSED = {
     "def damping(v): return v": ", line 1: damping: takes (v); write (C, velocity, place)",
-    "x = 1": ": no law; write a function named damping or contact or force or solver",
+    "x = 1": ": no law; write a function named damping or contact or force",
     "def contact(k, s): return 'a'": ", line 1: contact: returns 'a'; return a float",
     "def contact(k, s): return open(s)": ", line 1: contact: numba cannot compile it; ",
-    **{f"{law} = 1": f": {law}: is not a function" for law in ("damping", "solver")},
-    "def solver(x): return x": ", line 1: solver: takes (x); write (cell, step)",
-    "contact = solver = lambda a, b: 1.0": ": a solver beside laws; write",
+    "damping = 1": ": damping: is not a function",
     "def force(x): return x": ", line 1: force: no double well; make it 0 at",
     "\ndef force(x): return abs(x)*(x-8.)*(x-18.)": ", line 2: force: no double well; make it 0 a",
     "def force(x)": ", line 1: SyntaxError: expected ':'",
@@ -235,21 +234,11 @@ def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
     def damping(C, velocity, place):
         raise ValueError("deep")
 
-    def solver(cell, step):
-        raise [KeyError, SystemExit][cell.f0 > 0.002]("deep\nhole")
-
     monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
     with pytest.raises(
         ValueError, match=r"\Amodel\.laws: .*test_laws\.py, line \d+: damping: damping: V"
     ):
         plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
-    for f0, error in ((1000.0, r"KeyError: 'deep\\nhole'"), (3000.0, "SystemExit: deep hole")):
-        where = rf"solver at N = 900, f0 = {f0:g} Hz, C = 25 uN\*us/um"
-        with pytest.raises(
-            ValueError, match=rf"\Amodel\.laws: .+, line \d+: {where}: {error}\Z"
-        ) as caught:
-            flat.sweep(handout, [900.0], [f0], [25.0], model=solver)
-        assert isinstance(caught.value.__cause__, KeyError | SystemExit)
 
 
 def test_what_laws_do_not_know_is_refused(handout, laws):
@@ -299,64 +288,31 @@ def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
     law_file.write_text((examples / "cubic_damping.py").read_text())
     made = outputs(load_config(CUBIC | OF_CUBIC))
     assert made["statics"] and made["histories"]
-    law_file.write_text("def solver(cell, step): return 1.0")
-    assert "statics" not in outputs(load_config(CONFIG))
-    with pytest.raises(Faults, match=r"^histories: does not work with model"):
-        load_config(CONFIG | CELLS)
     law_file.write_text((examples / "double_well.py").read_text())
     assert "statics" not in outputs(load_config(CONFIG | CELLS))
 
 
-def test_a_solver_of_ones_own_makes_a_cube(root, handout):
-    """A mass on its spring under a pulse of two of its periods: closed form, with w t = 2 x."""
-    drop = runpy.run_path(root / "examples" / "scipy_model.py")["solver"]
-    f0 = np.sqrt(handout.spring / handout.mass) / (4e-6 * np.pi)
-    x = np.linspace(0, 2 * np.pi, 100_001)
-    falls = np.max((1 - np.cos(2 * x)) / 2 - 2 / 3 * (np.cos(x) - np.cos(2 * x)))
-    N = 20 * handout.spring / (falls * handout.mass * handout.gravity)
-    N = [1.001 * N, 0.999 * N]
-    cube = flat.sweep(handout, N, [f0], [0.0], drop, repeat=True, horizon=0.0)
-    assert cube.outcome.squeeze().values.tolist() == [SNAPPED, UNSNAPPED]  # open
-    assert cube.reproduced.values.all() and "label_distance" not in cube.t_snap.attrs
-    config = json.loads(cube.attrs["config"])
-    assert config["model"] == {"name": "reference", "laws": "solver: solver"}
-
-
 def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
-    axes, model = ([900.0], [F0], [3e4]), {"model": lambda cell, step: None}
-    cube, edges = flat.sweep(handout, *axes, **model), flat.threshold(handout, *axes[1:])
+    axes, model = (
+        ([900.0], [F0], [3e4]),
+        {"model": snapmap.reference(damping=lambda C, v, y: C * v)},
+    )
+    cube, edges = (
+        snapmap.sweep(Study(handout, **model), *axes),
+        snapmap.threshold(handout, *axes[1:]),
+    )
     shown = {"horizon": 0.0, "title": "", "pulse": {}, "required": ()}
     text = page(cube, edges, shown | {"written": device_sections(handout)})
     assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text
 
 
-@pytest.mark.parametrize("answer", [True, False, -1.0, np.nan, "snapped", 1j])
-def test_an_answer_of_a_solver_that_is_no_time_is_refused(handout, answer):
-    line = r"^model\.laws: .*test_laws\.py, line \d+: <lambda> at N = 900, .*: returns .*;"
-    with pytest.raises(ValueError, match=line):
-        flat.sweep(handout, [900.0], [F0], [0.0], model=lambda cell, step: answer)
-
-
-def test_a_solver_sees_the_start_says_what_it_does_not_believe_and_has_no_history(handout):
-    def model(cell, step):
-        return np.inf if cell.start == "first" else 9.0
-
-    for start, outcome in (("first", FAILED), ("second", SNAPPED)):
-        assert flat.sweep(handout, [900.0], [F0], [0.0], model, start=start).outcome == outcome
-    with pytest.raises(
-        ValueError, match=r"^model\.laws: of reference work only with sweep, threshold; l"
-    ):
-        flat.simulate(handout, 900.0, F0, 0.0, model=model)
-
-
 def test_a_law_counts_C_in_the_unit_that_it_states(handout):
-    """A drag of C velocity^2 has kg/m, here by a solver that snaps from C = 7 on."""
-    seen = {"solver": lambda cell, step: 1.0 if cell.damping > 6.9 else None}
+    """A drag of C velocity^2 has kg/m."""
+    seen = {"damping": lambda C, velocity, place: C * abs(velocity) * velocity}
     model = Reference(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
-    study = snapmap.Study(handout, model, run={"until": "snap"})
+    study = snapmap.Study(handout, model, until="snap")
     cube = snapmap.sweep(study, [900.0], [F0], ["6e-6 kg/m", "7 uN*us^2/um^2", 8.0])
     assert cube.C.values.tolist() == pytest.approx([6.0, 7.0, 8.0])
-    assert np.isfinite(cube.t_snap.squeeze().values).tolist() == [False, True, True]
     assert cube.C.units == "uN us2 um-2" and cube.N.units == "1"
     assert snapmap.sweep(study, [900.0], [F0], cube.C).identical(cube)
     title = snapmap.plot_outcome(cube.sel(C=8.0)).get_title()
@@ -365,7 +321,7 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
         ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
     ):
         snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
-    own = snapmap.Study(handout, Reference(laws=seen), run={"until": "snap"})
+    own = snapmap.Study(handout, Reference(laws=seen), until="snap")
     own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
     assert own.C.units == "uN us um-1" and "unit_of_C" not in own.attrs["config"]
 
@@ -413,3 +369,16 @@ def test_the_laws_on_the_page_are_those_of_the_examples(root, laws):
             assert names[law](*at.tolist()) == pytest.approx(ours(*at.tolist()), rel=1e-12)
         assert names.get("unit_of_C", "uN*us/um") == laws(name).unit_of_C
     assert len(written) == len([*(root / "examples" / "laws").glob("*.py")])
+
+
+def test_a_model_of_ones_own_is_asked_as_those_of_snapmap_are(root, handout):
+    """The mass on its spring is linear: it falls in proportion to N."""
+    names = runpy.run_path(root / "examples" / "own_model.py")
+    model, rows = names["MassAlone"](handout), to_rows(0, [2000.0], [25.0])
+    run = Run(horizon=100.0, until="snap", repeat=False)
+    (found,) = lowest_snap(Probe(model, rows, run), (100.0, 4000.0), 1e-3)
+    t, C = np.linspace(0.0, 600.0, 6001), 25.0
+    shock = handout.gravity * np.where(t < 500.0, np.sin(np.pi * t / 500.0) ** 2, 0.0)
+    system = [-1.0], [1.0, C / handout.mass, handout.spring / handout.mass]
+    deepest = -lsim(system, shock, t)[1].min()
+    assert found == pytest.approx(names["DEPTH"] / deepest, rel=2e-3)

@@ -18,8 +18,7 @@ SWEEP = """sweep:
   N: [600, 1200, 2400]
   f0: [1 kHz, 3 kHz]
   C: [0.025 uN*us/um, 25 uN*us/um, 50 uN*us/um]
-  horizon: 300 us
-  until: snap
+run: {horizon: 300 us, until: snap}
 """
 
 

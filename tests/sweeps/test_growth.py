@@ -3,7 +3,6 @@
 import itertools
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import yaml
@@ -12,6 +11,8 @@ from hypothesis import strategies as st
 from small_results import assert_same_cube
 from small_studies import THREE_COSINES
 
+import snapmap
+from snapmap import Study
 from snapmap.config.study import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
@@ -21,13 +22,13 @@ from snapmap.sweeps.grid import follow_rows
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
 
-STUDY = THREE_COSINES + "sweep: {horizon: 200 us, until: snap}"
+STUDY = THREE_COSINES + "run: {horizon: 200 us, until: snap}"
 
 
 def study(N, f0, C=(25.0,), model="cosines"):
     """A study of values in multiples of g, Hz and uN us/um."""
     document = yaml.safe_load(STUDY)
-    document["sweep"] |= {
+    document["sweep"] = {
         "N": [float(value) for value in N],
         "f0": [f"{value!r} Hz" for value in map(float, f0)],
         "C": [f"{value!r} uN*us/um" for value in map(float, C)],
@@ -121,8 +122,7 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     kept = len(set(old["f0"]) & set(new["f0"])) * len(set(old["N"]) & set(new["N"]))
     kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
-    options = {"modes": 3} if model == "cosines" else {}
-    in_one = flat.sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    in_one = snapmap.sweep(Study(whole.device, whole.model, horizon=200.0, until="snap"), **new)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 

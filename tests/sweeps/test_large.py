@@ -22,7 +22,7 @@ from types import SimpleNamespace
 import numpy as np
 from jobs import collect
 folder, axes, cube = sys.argv[1:]
-document = {"sweep": {"horizon": "1 us"}, "model": {"name": "cosines"}}
+document = {"run": {"horizon": "1 us"}, "model": {"name": "cosines"}}
 study = SimpleNamespace(axes=dict(np.load(axes)), document=lambda: document)
 collect(study, sorted(Path(folder).glob("*.nc")), cube, "of no code")
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)

@@ -79,7 +79,7 @@ def test_rows_mix_text_and_numbers_and_single_values_are_no_rows():
 
 
 def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
-    study = snapmap.Study(handout, model=snapmap.Cosines(modes=3), run={"horizon": "0 us"})
+    study = snapmap.Study(handout, model=snapmap.Cosines(modes=3), horizon="0 us")
     plain = snapmap.threshold(study, 1500, 25, axes={"thickness": [2.0]})
     text = snapmap.threshold(study, "1.5 kHz", "25 uN*us/um", axes={"thickness": "2000 nm"})
     assert text.identical(plain)

@@ -3,23 +3,14 @@
 import re
 import sys
 
-import numpy as np
 import pytest
-import yaml
-from small_studies import MISSING, THREE_COSINES, TINY, changed
 from small_workflow import snakemake
 
 import snapmap
-from snapmap.applications import gather
 from snapmap.config.doubts import descriptions, doubts
 from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.workflow.command import main
-from snapmap.workflow.forecast import forecast
-
-
-def core_times(study):
-    return gather(lambda part: part.cost(study))
 
 
 @pytest.fixture
@@ -43,63 +34,12 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
 def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     capsys.readouterr()
     assert main(["check", str(config)]) == 0
-    *lines, cells, costs = capsys.readouterr().out.splitlines()
+    *lines, cells, others, costs = capsys.readouterr().out.splitlines()
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
-    for what in ("cells", "thresholds", *core_times(study), "figures"):
-        assert re.search(rf"[:,] {what} [0-9.]+ (s|min|h)", costs)
-
-
-def test_check_says_what_devices_as_made_cost(config):
-    """In equal steps of the samples; a damped beam has cells that are followed to their end."""
-    document = read_document(config)
-
-    def cost(samples, **values):
-        asked = {"thickness": "1 %", "samples": samples, "index_samples": 2}
-        return core_times(load_config(changed(document, tolerances=asked, **values)))["tolerances"]
-
-    costs = [cost(samples) for samples in (2000, 4000, 6000)]
-    steps = np.diff(costs)
-    assert steps[0] > 0 and steps[1] == pytest.approx(steps[0])
-    assert cost(6000, device__beam__damping=MISSING) < costs[-1]
-    assert "tolerances" not in core_times(load_config(changed(document, tolerances=MISSING)))
-
-
-def test_check_counts_the_runs_of_a_solver_of_ones_own(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "laws.py").write_text("def solver(cell, step): return 1.0")
-    document = yaml.safe_load(THREE_COSINES) | {
-        "model": {"name": "reference", "laws": "laws.py"},
-        "sweep": {"N": [900, 1000, 1100], "f0": ["1 kHz", "2 kHz"], "C": ["25 kg/s"]},
-    }
-    document["sweep"] |= {"horizon": "0 us", "until": "snap"}
-    for repeat, runs in ((True, 12), (False, 6)):
-        document["sweep"]["repeat"] = repeat
-        (tmp_path / "config.yaml").write_text(yaml.safe_dump(document))
-        assert main(["check", "config.yaml"]) == 0
-        assert capsys.readouterr().out.splitlines()[-1] == (
-            f"runs of the solver: {runs} of cells, and about 50 for each of 2 thresholds, "
-            "more where they are ragged"
-        )
-
-
-def test_a_small_study_is_forecast_by_following_all_of_it(monkeypatch):
-    """A clock that counts cells and rows: a sample tells the whole, and what a call takes once."""
-    followed = {"cells": [], "thresholds": []}
-    clock = iter(range(1000))
-    monkeypatch.setattr("snapmap.workflow.forecast.time.process_time", lambda: float(next(clock)))
-    monkeypatch.setattr(
-        "snapmap.workflow.forecast._follow", lambda study, axes: followed["cells"].append(axes)
-    )
-    monkeypatch.setattr(
-        "snapmap.workflow.forecast._search", lambda study, axes: followed["thresholds"].append(axes)
-    )
-    study = load_config(yaml.safe_load(TINY))
-    assert forecast(study)["cells"] == 1.0  # a tick of the clock
-    for points in followed.values():
-        smaller, again, larger = (np.prod([len(values) for values in a.values()]) for a in points)
-        assert smaller == again < larger == np.prod([study.axes[key].size for key in ("C", "f0")])
+    assert others == "beside them: thresholds 34, thresholds of devices as made 27056"
+    assert re.fullmatch(r"core time, about: [0-9.]+ (s|min|h)", costs)
 
 
 def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):

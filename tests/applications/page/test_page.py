@@ -557,7 +557,7 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(show, handout)
 
 def test_a_sweep_to_the_snap_shows_where_it_snaps(show, handout):
     """Nothing is known of what follows, and nothing said."""
-    run = Run(SETTINGS.horizon, until="snap")
+    run = Run(horizon=SETTINGS.horizon, until="snap")
     view = show(cube := swept(handout, C=[25.0], run=run))
     assert "well" not in cube
     assert view.shows(cube.isel(C=0), states=lambda cells: cells.t_snap.notnull().astype(int))

@@ -2,13 +2,13 @@
 
 import re
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import THREE_COSINES
 from varied import varied
 
+import snapmap
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import application, shocks_of
@@ -18,7 +18,6 @@ from snapmap.config.study import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Run
 from snapmap.study.axes import rows_of
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
@@ -33,7 +32,7 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device, model=model, run=Run(horizon=HORIZON))
+    return Study(device, model=model, horizon=HORIZON)
 
 
 def judged(study, *levels, f0=F0, snaps=True):
@@ -47,8 +46,9 @@ def test_a_beam_that_must_trip_must_stay(handout, damping):
     """The ends are those of a sweep over the same N, in both of its steps."""
     study, N = stiff(handout, damping), 2320.0
     (verdict,) = judged(study, N)
-    near = {"f0": [F0], "C": [C], "pulse": "half sine", "horizon": HORIZON}
-    cube = flat.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
+    how = {"pulse": "half sine", "horizon": HORIZON}
+    near = {"f0": [F0], "C": [C]}
+    cube = snapmap.sweep(Study(study.device, study.model, **how), N * NEAR, **near).squeeze()
     assert cube.t_snap.notnull().all() and verdict.N_first < 0.55 * N
     stay = (cube.well == 2).values
     again = np.where(cube.well_reproduced == 1, stay, ~stay)
@@ -94,7 +94,8 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
 def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
-    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"], "horizon": "4 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "4 ms"}
     crash = {"shape": "half sine", "direction": "both", "N": 2320, "f0": "8 kHz", "snaps": True}
     document["requirements"] = [
         crash | {"name": "crash"},
@@ -119,7 +120,8 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
 def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
     document = yaml.safe_load(THREE_COSINES)
     document["device"]["contact_at"] = "-5 um"
-    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"], "horizon": "1 ms"}
+    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
+    document["run"] = {"horizon": "1 ms"}
     crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
     document["requirements"] = [
         crash | {"name": "closes", "closes_within": "1 ms"},

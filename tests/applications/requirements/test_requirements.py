@@ -4,18 +4,16 @@ import itertools
 import re
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn, make_verdict
-from varied import varied
 
+import snapmap
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.requirements.figure import draw_margins
-from snapmap.applications.requirements.forecast import judged_seconds
 from snapmap.applications.requirements.required import RequiredShock
 from snapmap.applications.requirements.summary import hint, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
@@ -28,7 +26,7 @@ from snapmap.study.study import Study
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
     record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
-    threshold = flat.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
+    threshold = snapmap.threshold(Study(handout, pulse=record, horizon=300.0), [2000.0], [25.0])
     first, error = threshold.N_first.item(), threshold.N_error.item()
     assert threshold.scale_first.item() == pytest.approx(first / 100)
     amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
@@ -39,7 +37,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(handout, run=study.run), asked, [25.0])
+    verdicts = check(Study(handout, **vars(study.run)), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
     assert [verdict.verdict for verdict in verdicts] == expected
     for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
@@ -57,7 +55,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
-    row = flat.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    row = snapmap.threshold(Study(handout, study.model, horizon=300.0), [4000.0], [0.025]).squeeze()
     gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
     assert row.ragged and gap > 0
     ragged = {"N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0, "shocks": study.shocks}
@@ -69,8 +67,11 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     """The verdict is the worst one; a shock that may trip or not has none of the trip."""
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
     shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
-    asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
-    thresholds = flat.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
+    how = {"model": study.model, "horizon": 300.0, **shapes}
+    asked = {"axes": {"temperature": degrees}}
+    thresholds = snapmap.threshold(Study(device, **how), [2000.0], [25.0], **asked).N_first.squeeze(
+        ["C", "f0"]
+    )
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
     shocks = make_shocks(*shapes.values())
     required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)
@@ -138,7 +139,9 @@ def document(root):
 def test_a_hint_names_the_requirement_that_then_fails_at_any_damper(handout, document):
     """What the first damper needs must not make another requirement fail at the second."""
     study, dampers = load_config(document).of_thresholds(), [25.0, 400.0]
-    N_first = flat.threshold(handout, [1000.0], dampers, study.model, horizon=300.0).N_first
+    N_first = snapmap.threshold(
+        Study(handout, study.model, horizon=300.0), [1000.0], dampers
+    ).N_first
     light, damped = N_first.values.ravel()
     shock = {"f0": 1000.0, "shocks": make_shocks(), "survives": 0.999, "pulse": {}}
     trips = RequiredShock(name="trips", N=0.97 * damped, snaps=True, **shock)
@@ -210,16 +213,3 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "."]
     assert [points for points in dots if points] == [[[1.2, 0.0]]]  # the one that fails is in front
     assert len(ax.get_yticklabels()) == 4
-
-
-def test_the_forecast_counts_the_flight_of_a_drop_as_its_history_follows_it(handout, study):
-    """It leaves out no quiet time: from four times the height it lasts twice as long."""
-    damped = replace(study, device=varied(handout, damping=1e-2))
-    blow = {"duration": 500.0, "rebound": 0.0, "shape": "half sine"}
-    drops = [make_shocks({"drop": {"height": height, **blow}}) for height in (1e6, 4e6)]
-    asked = [
-        Shock(name="drop", N=500.0, snaps=False, f0=shocks.own_frequency(), shocks=shocks)
-        for shocks in drops
-    ]
-    short, long = (judged_seconds(damped, [shock], [25.0], [20.0]) for shock in asked)
-    assert short > 10 and long / short == pytest.approx(2, rel=0.05)

@@ -20,7 +20,7 @@ from .values import calls
 from .values.units import OF_DAMPER
 
 OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow the laws of `reference`, which is slow; a solver gives no motion."""
+"""Functions that follow the laws of `reference`, which is slow."""
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
     **{
@@ -68,12 +68,9 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
         yield
         return
     laws = study.model.laws
-    if laws and study.model.name == "reference":
-        names = OF_LAWS[1:] if laws.solver else OF_LAWS
-        if function.__name__ not in names:
-            remedy = "leave them out" if laws.solver else "write a model elements or cosines"
-            line = f"model.laws: of reference work only with {', '.join(names)}"
-            raise ValueError(f"{line}; {remedy}")
+    if laws and study.model.name == "reference" and function.__name__ not in OF_LAWS:
+        line = f"model.laws: of reference work only with {', '.join(OF_LAWS)}"
+        raise ValueError(f"{line}; write a model elements or cosines")
     for line in _doubts(study, values):
         warnings.warn(line, stacklevel=4)
     with counting(function.__name__):

@@ -115,6 +115,10 @@ class Application:
         """f0 (Hz) of the single cells that it simulates beside the grid."""
         return ()
 
+    def counts(self, study: Config) -> Mapping[str, int]:
+        """How much it computes, by the words of `workflow.cost.RUNS`."""
+        return {}
+
     # What it makes.
 
     def outputs(self, study: Config) -> Files:
@@ -137,10 +141,6 @@ class Application:
         """
         raise NotImplementedError
 
-    def cost(self, study: Config) -> float:
-        """Core time of its job, s, if `snapmap check` should tell it."""
-        return 0.0
-
     # What it adds to files of others.
 
     def observe(
@@ -148,10 +148,6 @@ class Application:
     ) -> Mapping[str, np.ndarray]:
         """Floats that it adds to the cells of a cube, by name."""
         return {}
-
-    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
-        """Core time that `observe` takes for each cell, s."""
-        return 0.0
 
     def in_history(self, model: Follows, cells: Cells, settings: Run) -> Mapping[str, Any]:
         """Attributes that it adds to the history of a cell."""

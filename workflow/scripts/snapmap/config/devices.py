@@ -17,7 +17,6 @@ from ..values.quantities import ExistingPath, Quality
 from ..values.records import assemble, read, record
 from .kinds import Amplitudes, StudyPath
 from .measured_shape import read_shape
-from .renamed import renew
 from .yaml_file import read_document
 
 AS_MEASURED = 0.1
@@ -173,7 +172,6 @@ def load_device(source: Source) -> Device:
     """
     is_section = isinstance(source, Mapping)
     document = {"device": source} if is_section else read_document(source)
-    document, _ = renew(document)
     if "device" not in document:
         raise Faults("device: missing; write a mapping: the beam, the mass and what they meet")
     section = read(DeviceSection, document["device"], "device")

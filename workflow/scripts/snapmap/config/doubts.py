@@ -54,7 +54,7 @@ def doubts(study: Config) -> list[str]:
     """Warn, in lines, of values that are hardly meant and of what the model may leave out."""
     axes, (first, *_) = study.axes, study.devices().values()
     swings = max(pulse.swings for pulse in study.shocks.pulses)
-    lines = study.renamed + implausible(study.grid.device, dampers(study), axes["f0"], swings)
+    lines = implausible(study.grid.device, dampers(study), axes["f0"], swings)
     lines += unusual_runs(N=axes["N"], horizon=study.horizon)
     for name, device in study.devices().items():
         remarks = [barely(device), tilting(device.beam), stopped(device)]

@@ -23,7 +23,6 @@ from ..values.units import OF_DAMPER, spelling_of
 from .devices import nominal
 from .document import Document
 from .measured_shape import PROFILE
-from .renamed import renew
 from .views import View, choose_curves, choose_maps, read_places
 
 AXES = *VALUES, *SHOCK_AXES
@@ -47,7 +46,6 @@ class Config(Study):
     title: head of the data sheet
     written: sections of the devices by name, as the config has them
     source: the whole config, as it was read
-    renamed: lines on keys of an older version
     units: units in which the config has the axes of device and C
     """
 
@@ -63,7 +61,6 @@ class Config(Study):
     title: str
     written: dict[str, Mapping]
     source: Mapping
-    renamed: list[str]
     units: Units
 
     @property
@@ -106,8 +103,7 @@ def planned_study(document: Mapping, threads: int) -> Config:
 
 def load_config(document: Mapping) -> Config:
     """Check a whole config document and convert it; Faults have a line for each fault."""
-    source, renamed = renew(document)
-    return _convert(source, renamed, _unit_of_C(source))
+    return _convert(document, _unit_of_C(document))
 
 
 def _unit_of_C(source):
@@ -119,7 +115,7 @@ def _unit_of_C(source):
     return laws.unit_of_C if laws else OF_DAMPER
 
 
-def _convert(source, renamed, unit_of_C):
+def _convert(source, unit_of_C):
     parts, faults = read(Document, source, unit_of_C=unit_of_C), _Faults()
     named = {name: section.made for name, section in parts.by_name.items()}
     device = named if parts.devices else named["device"]
@@ -162,7 +158,6 @@ def _convert(source, renamed, unit_of_C):
         title=parts.title or "",
         written=source.get("devices") or {"device": source["device"]},
         source=source,
-        renamed=renamed,
         units={
             key: _unit(source["sweep"][key], unit_on(key, unit_of_C))
             for key in DESIGN
@@ -183,9 +178,8 @@ def _follows_laws(name, chosen):
 
     The three laws are those of the device's own forces, and `reference` is too slow for most.
     """
-    laws = chosen.laws
-    if not laws or laws.solver:
-        return not laws
+    if not chosen.laws:
+        return True
     return name == "histories" if chosen.name == "reference" else name != "laws"
 
 

@@ -3,11 +3,11 @@
 import textwrap
 from collections.abc import Iterable, Mapping
 
-from ..config.renamed import config_of
 from ..files.text import plain
 from ..pulse.pulse import NEAR_G, VERSED_SINE, G
 from ..pulse.shocks import MAKERS
 from ..solver.settings import FIRST
+from ..study.provenance import config_of
 from ..values.units import used
 
 PAGE = 130

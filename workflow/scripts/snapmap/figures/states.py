@@ -7,8 +7,8 @@ import xarray as xr
 from matplotlib import colormaps
 from matplotlib.colors import ListedColormap
 
-from ..config.renamed import config_of
 from ..solver.outcome import WHOLE_SWING, ended_elsewhere
+from ..study.provenance import config_of
 from . import captions
 
 

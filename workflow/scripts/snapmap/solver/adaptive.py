@@ -117,7 +117,6 @@ class Survey(NamedTuple):
     tolerance: largest relative error of a clean row that `finer` does not take over
     finer: survey of rows with fast pulses, and of clean rows of larger error; None for no other
     lawful: whether models have a user's laws, for which no static threshold is known
-    frugal: whether they are a user's own solver, which is to be asked seldom
     """
 
     scans: Follows
@@ -130,7 +129,6 @@ class Survey(NamedTuple):
     tolerance: float = np.inf
     finer: Optional["Survey"] = None
     lawful: bool = False
-    frugal: bool = False
 
     @property
     def levels(self) -> tuple["Survey", ...]:
@@ -177,8 +175,7 @@ def _of_laws(model, laws, static):
         holds = 1.5 * energy / saddle + device.spring * (saddle + device.gap)
         static = holds / (device.mass + device.beam.weight / 2) / device.gravity
     half = model.with_step(FINE_STEPS)
-    frugal = laws.solver is not None
-    return Survey(model, model, model, (half,), half, static, lawful=True, frugal=frugal)
+    return Survey(model, model, model, (half,), half, static, lawful=True)
 
 
 def build_adaptive(device: Device, tolerance: float = TOLERANCE, start: str = FIRST) -> Adaptive:

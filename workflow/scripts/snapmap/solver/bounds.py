@@ -98,4 +98,4 @@ def _stores(model, rows, start):
                 for velocity in velocities.tolist()
                 for place in places.tolist()
             )
-    return laws.solver is None
+    return True

@@ -1,4 +1,4 @@
-"""A user's own laws: functions in place of forces of the model `reference`, or of its solver."""
+"""A user's own laws: functions in place of forces of the model."""
 
 import inspect
 import logging
@@ -28,18 +28,15 @@ PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
     "force": ("displacement",),
-    "solver": ("cell", "step"),
 }
 """Parameters of each law, in this order and under any names; units: docs/own-physics.md."""
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
-KEPT = "results/solver_runs.csv"
-"""File of the runs of a solver that a config names."""
 
 
 Law = Annotated[Callable, Fitting("a function of numbers", callable)]
 UNIT = "unit_of_C"
-"""Name, beside the laws, of the unit in which the damping or the solver counts C."""
+"""Name, beside the laws, of the unit in which the damping counts C."""
 MODULE = "laws_of_a_study"
 """Name of the module of a file of laws: numba would take that of another one for it."""
 _FOLDERS = Path(__file__).parents[1], *map(sysconfig.get_path, ("stdlib", "purelib"))
@@ -55,20 +52,16 @@ REACH, POINTS = 10.0, 10_000
 class Laws:
     """Compiled functions, as `reference` takes them; None where the device's force acts.
 
-    solver: function in place of the whole model, as in `external.march`
     file, sha256: of the functions, if they were read from one
     unit_of_C: as a config spells it; "" for a plain number
-    kept: file of the solver's runs, which are not made again; empty for none
     """
 
     damping: Callable | None = None
     contact: Callable | None = None
     force: Callable | None = None
-    solver: Callable | None = None
     file: str = ""
     sha256: str = ""
     unit_of_C: str = OF_DAMPER
-    kept: str = ""
 
     def __str__(self):
         """Name the file, or the functions, as in attributes of products."""
@@ -78,22 +71,13 @@ class Laws:
         return ", ".join(f"{key}: {getattr(law, '__name__', key)}" for key, law in laws)
 
 
-def keeping(laws: Laws, kept: str) -> Laws:
-    """Have runs kept in a file, by the hash of the file of the solver, all that tells of edits."""
-    code = getattr(laws.solver, "__code__", None)
-    if code is None or code.co_freevars or not os.path.isfile(code.co_filename):
-        needs = "a solver that is a function of a file, and of no values of a function around it"
-        raise ValueError(f"kept: needs {needs}")
-    return replace(laws, kept=kept, sha256=sha256_of(code.co_filename, *LAWS))
-
-
 def compile_laws(functions: Mapping[str, object]) -> Laws:
     """Compile functions by the names of their laws; raises ValueError, one line, for wrong ones."""
     laws = {key: _compiled(key, functions[key]) for key in PARAMETERS if functions.get(key)}
-    if not laws or ("solver" in laws and len(laws) > 1):
-        many, needs = "a solver beside laws" if laws else "no law", " or ".join(PARAMETERS)
-        raise ValueError(f"model.laws: {many}; write a function named {needs}")
-    if UNIT in functions and not laws.keys() & {"damping", "solver"}:
+    if not laws:
+        needs = " or ".join(PARAMETERS)
+        raise ValueError(f"model.laws: no law; write a function named {needs}")
+    if UNIT in functions and "damping" not in laws:
         raise ValueError(f"model.laws: {UNIT}: needs a law of damping; leave it out")
     with naming(f"model.laws: {UNIT}"):
         return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, OF_DAMPER)))
@@ -186,10 +170,9 @@ class LawsKind(Kind):
             if functions:
                 return compile_laws(functions)
             path = inside(value) if reading.written else value
-            laws = load_laws(path, sha256_of(path, *LAWS))
+            return load_laws(path, sha256_of(path, *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
-        return replace(laws, kept=KEPT) if laws.solver and reading.written else laws
 
     def schema(self) -> dict:
         """Describe a path."""
@@ -219,15 +202,13 @@ def _compiled(key, law):
     from numba import njit
 
     function, needs = getattr(law, "py_func", law), PARAMETERS[key]
-    if not (callable(law) if key == "solver" else inspect.isfunction(function)):
+    if not inspect.isfunction(function):
         raise ValueError(f"model.laws: {key}: is not a function; write a def or a lambda")
     with of_user(key):
         parameters = inspect.signature(function).parameters
     if len(parameters) != len(needs):
         line = f"takes ({', '.join(parameters)}); write ({', '.join(needs)})"
         raise fault_of(law, key, line)
-    if key == "solver":
-        return law
     law = law if law is not function else njit(error_model="numpy")(function)
     with of_user(key, law):
         value = law(*np.full(len(needs), 0.25))

@@ -21,7 +21,6 @@ from ..files.counting import count
 from ..values.kinds import Number
 from ..values.records import told
 from .cells import Cells, Observations, no_observations
-from .external import Answers
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, announce, well_of
 from .options import Chosen, Cosines, Elements, Reference
@@ -44,7 +43,6 @@ class Model:
     barrier: between the two shapes of the reduced form
     steps: rule of the time steps
     laws: of a user, in place of some forces; tables: of these, but for `reference`
-    answers: of a user's own solver, in place of all else
     """
 
     name: str
@@ -55,7 +53,6 @@ class Model:
     steps: Steps
     laws: Laws | None = None
     tables: Tables | None = None
-    answers: Answers | None = None
 
     @property
     def levels(self) -> tuple["Model"]:
@@ -93,9 +90,7 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        if self.answers:
-            loop = "external"
-        elif self.laws and loop == "plain_loop":
+        if self.laws and loop == "plain_loop":
             announce("laws", self.laws, 10)
         return import_module(f".{loop}", __package__)
 
@@ -151,12 +146,11 @@ class Model:
         dt = self.time_steps(cells, settings)
         # Lanes run side by side: those of a call should all be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
-        bunch = self.answers.together if self.answers else BUNCH
         threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))
 
         def follow_share(first):
             share = order[first::threads]
-            for at in np.split(share, range(bunch, share.size, bunch)):
+            for at in np.split(share, range(BUNCH, share.size, BUNCH)):
                 facts = loop.march(self, cells.take(at), dt[at], settings)
                 for column, part in zip(observed[:7], facts, strict=True):
                     column[at] = part
@@ -291,8 +285,7 @@ def _build(device, chosen, is_free):
     if force and name != "reference":
         steps = steps.of_one_mode()
     tables = tabulate(laws, device, modal) if laws and name != "reference" else None
-    answers = Answers(laws.solver, laws) if laws and laws.solver else None
-    return Model(name, device, basis, modal, barrier, steps, laws, tables, answers)
+    return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 
 def require_fitting(device: Device, chosen: Chosen) -> None:
@@ -306,7 +299,6 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
         sizes, kernel = {*told(chosen)} - {"laws", "name"}, chosen.name != "reference"
         law_meets_stops = laws.contact or (laws.force and kernel)
         for key, refused in {
-            "model.laws: solver": laws.solver and kernel,
             f"model.{min(sizes, default='')}:": laws.force and sizes,
             "device.contact: hard": (laws.contact or laws.force) and np.isinf(device.contact),
             "device.stop_toward:": law_meets_stops and np.isfinite(device.stop_toward),

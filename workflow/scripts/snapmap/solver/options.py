@@ -1,6 +1,6 @@
 """How a cell is simulated: a model by its name, with its options."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from ..files.text import describe, show
@@ -11,7 +11,7 @@ from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.records import build, record, told
 from ..values.units import OF_DAMPER
-from .laws import UNIT, Law, Laws, UserLaws, compile_laws, keeping
+from .laws import UNIT, Law, Laws, UserLaws, compile_laws
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -98,8 +98,6 @@ def reference(
     damping: Law | None = None,
     contact: Law | None = None,
     force: Law | None = None,
-    solver: Law | None = None,
-    kept: str = "",
 ) -> Reference:
     """Make a model `reference` with your own laws, for sweep, threshold and simulate.
 
@@ -115,11 +113,6 @@ def reference(
     force
         Function (displacement) that returns the force that holds the midpoint, uN; by default that
         of the beam.
-    solver
-        Function (cell, step), or (cells, steps) for several at once, in place of the whole model.
-    kept
-        File that keeps each run of the solver in a line, so that no call makes it again. The solver
-        must then be a function in a file; after an edit of that file all runs are made anew.
 
     Returns
     -------
@@ -129,7 +122,7 @@ def reference(
     Raises
     ------
     ValueError
-        One line: numba cannot compile a law, there is no law, or a solver stands beside laws.
+        One line: numba cannot compile a law, or there is no law.
 
     Examples
     --------
@@ -139,9 +132,7 @@ def reference(
     >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
     'snapped'
     """
-    given = {"damping": damping, "contact": contact, "force": force, "solver": solver}
-    laws = compile_laws(given)
-    return Reference(laws=keeping(laws, kept) if kept else laws)
+    return Reference(laws=compile_laws({"damping": damping, "contact": contact, "force": force}))
 
 
 Chosen = Auto | Cosines | Elements | Reference
@@ -151,9 +142,9 @@ PARTS = {"cosines": "modes", "elements": "elements"}
 
 
 class ModelKind(Kind):
-    """A model: its name, a mapping of name and options, a record, or a solver of one's own."""
+    """A model: its name, a mapping of name and options, or a record."""
 
-    need = f"one of {', '.join(MODELS)}, as '3 cosines', what reference makes, or a solver"
+    need = f"one of {', '.join(MODELS)}, as '3 cosines', or what reference makes"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
@@ -206,7 +197,7 @@ class ModelKind(Kind):
         return model
 
 
-Model = Annotated[str | Chosen | Mapping | Callable, ModelKind()]
+Model = Annotated[str | Chosen | Mapping, ModelKind()]
 
 
 def section_of(chosen: Chosen) -> dict[str, object]:

@@ -55,6 +55,11 @@ def provenance(document: Mapping) -> dict[str, str]:
     }
 
 
+def config_of(attributes: Mapping[str, str]) -> dict:
+    """Give the config in the attributes of a product; empty without one."""
+    return json.loads(attributes.get("config", "{}"))
+
+
 @cache
 def _packages():
     """Give names and versions of those of PACKAGES that are installed."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .edges import outermost, scan
-from .effort import CLOSE_STEP, RAGGED_STEP
+from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
 from .probe import Ask
 from .ragged import CLEAN_REACH, begins_at
 from .search import Changes, Search, close_edges
@@ -27,7 +27,7 @@ def make_bars(search: Search, changes: Changes) -> tuple[np.ndarray, np.ndarray]
     N_first, ragged = changes.N_first, changes.ragged
     clean = np.where(ragged, np.nan, N_first)
     near = _clean_bars(search, clean)
-    if models.finest is not None and search.effort.thorough:
+    if models.finest is not None:
         # An island that finer time steps open below the threshold belongs to the bar.
         high = np.where(rings, clean, np.nan)
         low = (1 - tolerance) * high
@@ -40,18 +40,16 @@ def make_bars(search: Search, changes: Changes) -> tuple[np.ndarray, np.ndarray]
     firsts = [begins_at(edges, begins, window) for edges, begins, _ in scans]
     firsts = np.where(apart, firsts, changes.firsts)
     far = np.fmax(_spread(changes.edges, N_first), np.max(abs(N_first - firsts), axis=0))
-    effort = search.effort
-    step = np.where(ragged, effort.ragged, np.where(rings, CLOSE_STEP * effort.close[0], 0.0))
-    step = np.where(apart, effort.islands, step)
+    step = np.where(ragged, RAGGED_STEP, np.where(rings, CLOSE_STEP * CLOSE_PLACES[0], 0.0))
+    step = np.where(apart, ISLAND_STEP, step)
     ragged = ragged | apart
     return np.where(ragged, far, near) + (step + tolerance) * N_first, ragged
 
 
 def _clean_bars(search, N_first):
     """Add up the distances of clean thresholds in time step and model, (rows,)."""
-    find = distance if search.effort.thorough else rough_distance
     probes = map(search.probe, search.others)
-    in_time, *in_space = [find(probe, N_first, search.tolerance) for probe in probes]
+    in_time, *in_space = [distance(probe, N_first, search.tolerance) for probe in probes]
     # The second of `models.others`, the better one, may itself be off by as much.
     return in_time + np.max(in_space, axis=0) + sum(in_space[1 : len(search.models.others)])
 
@@ -93,29 +91,3 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
     same = ~differ(near, np.multiply.outer(reach[near], [7 / 8, 6 / 8, 5 / 8]))
     distances[near] *= 1 - np.logical_and.accumulate(same, axis=1).sum(axis=1) / 8
     return distances
-
-
-def rough_distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
-    """Find about what `distance` does, by few runs: it trusts a single label on either side.
-
-    It tries the tolerance, then four times the distance on the side where the label is another,
-    and halves the last interval there three times.
-    """
-    distances = np.full((2, N_first.size), np.nan)
-    for side, high in zip((-1, 1), distances, strict=True):
-
-        def differs(which, reach, side=side):
-            N = np.where(which, N_first * (1 + side * reach), np.nan)
-            return which & (np.isfinite(ask(N[:, np.newaxis])[:, 0]) == (side < 0))
-
-        left, low = np.isfinite(N_first), np.zeros(N_first.size)
-        high[left] = tolerance
-        while (left := differs(left, high)).any():
-            low[left], beyond = high[left], left & (high >= MAX_DISTANCE)
-            high[left] = np.where(beyond, np.inf, np.minimum(4 * high, MAX_DISTANCE))[left]
-            left = left & ~beyond
-        for _ in range(3):
-            within, middle = (low > 0) & np.isfinite(high), (low + high) / 2
-            apart = differs(within, middle)
-            low[apart], high[within & ~apart] = middle[apart], middle[within & ~apart]
-    return distances.max(axis=0) * N_first

@@ -18,7 +18,7 @@ ROUNDS, WIDTH = 26, 32
 
 def run_seconds(probe: Probe) -> np.ndarray:
     """Estimate the core time of a run of each row, s, (rows,)."""
-    model, rows, settings, until, _ = probe
+    model, rows, settings, until = probe
     cells = rows.cells(model.device, 0.0, settings.horizon)
     return steps_and_seconds(model, cells, settings.but(until=until))[1][:, 0]
 

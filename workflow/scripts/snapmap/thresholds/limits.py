@@ -75,7 +75,6 @@ def _lowest_of(search, grid, omega, which, is_short):
     rows = rows_of(grid)
     rows = rows._replace(f0=omega[rows.device] / (2 * np.pi) * 1e6)
     exists, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
-    exists &= search.effort.thorough
     numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     alone = off_surfaces(exists, parts)

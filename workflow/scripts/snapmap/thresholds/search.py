@@ -21,7 +21,7 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
-from .effort import CLOSE_STEP, FRUGAL, THOROUGH, Effort
+from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP, SCAN_STEP, TOGETHER
 from .probe import Probe, amplitudes, first_snap, refine
 from .ragged import CLEAN_REACH, RAGGED_REACH, scan_ragged
 
@@ -61,12 +61,7 @@ class Search(NamedTuple):
 
     def probe(self, model: Follows, until: str = "edge") -> Probe:
         """Ask a model about the rows; until: as in `settings.QUESTION`."""
-        return Probe(model, self.rows, self.settings, until, self.effort)
-
-    @property
-    def effort(self) -> Effort:
-        """How many runs it may spend."""
-        return FRUGAL if self.models.frugal else THOROUGH
+        return Probe(model, self.rows, self.settings, until)
 
     @property
     def bound(self) -> np.ndarray:
@@ -129,9 +124,9 @@ def find_changes(search: Search) -> Changes:
     seen = look_closely(decides, search.rings, low, high)
     clean = is_single(seen.edges, seen.begins)
     ragged = np.isfinite(first) & ~clean
-    window = around(limits, window.low, window.high, RAGGED_REACH, search.effort.ragged).of(ragged)
+    window = around(limits, window.low, window.high, RAGGED_REACH, RAGGED_STEP).of(ragged)
     others = [search.probe(model, "snap") for model in search.others_of_ragged]
-    lowest = np.minimum(limits.low, SLACK * bound if search.effort.thorough else np.inf)
+    lowest = np.minimum(limits.low, SLACK * bound)
     of_ragged = search.probe(models.ragged)
     scanned, firsts = scan_ragged(of_ragged, others, window, lowest, seen.of(ragged))
     return Changes(
@@ -155,31 +150,19 @@ def scan_upwards(
     Returns N, NaN where nothing snaps, the highest N of the range, and whether nothing snaps, false
     where a run failed; all (rows,).
     """
-    effort = probe.effort
-    N = amplitudes(*scan_range(probe, static, bound), effort.scan)
+    N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
     t_snap = np.full(N.shape, np.nan)
-    together, count = effort.together, N.shape[1]
-    for part in np.split(np.arange(count), range(together, count, together)):
+    count = N.shape[1]
+    for part in np.split(np.arange(count), range(TOGETHER, count, TOGETHER)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
         t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
     first = first_snap(N, np.isfinite(t_snap))[1]
     quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
-        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], effort.scan)
-        first = np.where(begins, first_snap(lower, _snaps_downwards(probe, lower))[1], first)
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
+        first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
     return first, np.fmax.reduce(N, axis=1), quiet
-
-
-def _snaps_downwards(probe, N):
-    """Tell which of ascending N snap, (rows, n); where runs are dear, down to a quiet one."""
-    if probe.effort.thorough:
-        return probe.snaps(N)
-    snaps, left = np.zeros(N.shape, bool), np.ones(len(N), bool)
-    for k in reversed(range(N.shape[1])):
-        snaps[:, k] = probe.snaps(np.where(left, N[:, k], np.nan)[:, np.newaxis])[:, 0]
-        left &= snaps[:, k] | np.isnan(N[:, k])
-    return snaps
 
 
 def scan_range(
@@ -236,11 +219,9 @@ def island_limits(search: Search, first: np.ndarray, bound: np.ndarray) -> Windo
     near = first / RAGGED_REACH, first * RAGGED_REACH
     low = np.where(slow, near[0], ISLANDS_FROM * first)
     low = SLACK * bound if search.from_bound else low
-    usual, high, effort = ISLANDS_TO * first, search.highest, search.effort
-    high = usual if high is None else np.fmax(high, near[1])
-    high = high if effort.thorough else np.fmin(high, usual)
+    high = ISLANDS_TO * first if search.highest is None else np.fmax(search.highest, near[1])
     high = np.where(np.isfinite(first), np.where(slow, near[1], high), np.nan)
-    return Window(low, high, np.full(first.size, effort.islands))
+    return Window(low, high, np.full(first.size, ISLAND_STEP))
 
 
 def locate_change(probe: Probe, window: Window, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -266,8 +247,7 @@ def look_closely(probe: Probe, rings: np.ndarray, low: np.ndarray, high: np.ndar
     rings: whether it does, (rows,)
     low, high: ends of the edge, refined, (rows,), NaN for rows that are skipped
     """
-    sides = (-1, 1) if probe.effort.thorough else (-1,)
-    seen = close_edges(probe, *(np.where(rings, end, np.nan) for end in (low, high)), sides)
+    seen = close_edges(probe, *(np.where(rings, end, np.nan) for end in (low, high)))
     others = np.flatnonzero(~rings & np.isfinite(high))
     rising = np.ones(others.size, bool)
     edges = joined(seen.edges, Edges(others, low[others], high[others], rising))
@@ -286,19 +266,19 @@ def close_edges(
 
     low, high: ends of the edge, (rows,), NaN for rows that are skipped
     sides: sides that are looked at, -1 below and 1 above
-    reach: largest relative distance of the effort's places
+    reach: largest relative distance of the places
     Below a single threshold, runs come nearer to a snap as N grows; above, they snap later the
     closer N is to it. A stretch of the other label disturbs this order far beyond its own ends, as
     runs beside it dwell at the saddle, too. Where the order is broken, all steps in between are
-    tried, above every second one, unless a run has shown another label already, or runs are dear.
+    tried, above every second one, unless a run has shown another label already.
     """
-    steps = np.array(probe.effort.close)
+    steps = np.array(CLOSE_PLACES)
     steps = steps[reach >= CLOSE_STEP * steps]
     between = np.setdiff1d(np.arange(2, steps[-1]), steps)
     inside = np.searchsorted(steps, between) - 1
     runs = [probe.observe(_beside(low, high, side, steps)) for side in sides]
     others = [np.isfinite(run.t_snap) == (side < 0) for side, run in zip(sides, runs, strict=True)]
-    alone = ~np.any(np.hstack(others), axis=1, keepdims=True) & probe.effort.thorough
+    alone = ~np.any(np.hstack(others), axis=1, keepdims=True)
     N, t_snap = [low, high], [np.full(low.size, np.nan), np.zeros(low.size)]
     for side, run in zip(sides, runs, strict=True):
         nearer = -run.lowest if side < 0 else run.t_snap

@@ -15,12 +15,19 @@ from ..study.study import OF_THRESHOLDS, Study
 from ..study.variables import as_dataset, dress, flags
 from ..values.quantities import Dampers, Frequencies, Positive, Refinement
 from .cost import tell_cost
-from .effort import CLOSE_STEP
+from .effort import CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
 from .limits import limits_of, slow_law
 from .search import ISLANDS_TO, Search
 from .settling import lowest_latched
 from .survey import STATUS
 from .verified import find_thresholds, split_rows
+
+UNSEEN = (
+    "in multiples of g; narrower stretches may lie below: than "
+    f"{2 * CLOSE_STEP:.2%} of N near a clean threshold of a fast pulse, "
+    f"{RAGGED_STEP:.2%} near a ragged one, {ISLAND_STEP:.1%} elsewhere"
+)
+"""How wide stretches may be that a search does not see."""
 
 
 def threshold(
@@ -98,18 +105,9 @@ def thresholds_of(
         columns["scale_first"] = acceleration / peak[rows.pulse]
     data = _variables(grid, columns) | limits_of(search, grid) | slow_law(search, grid)
     data["status"] = *data["status"], flags(STATUS)
-    data["N_first"] = *data["N_first"], {"comment": _unseen(search.effort)}
+    data["N_first"] = *data["N_first"], {"comment": UNSEEN}
     gravity = float(grid.device.gravity[0])
     return dress("threshold", as_dataset(data, grid.axes), document, gravity=gravity)
-
-
-def _unseen(effort):
-    """Say how wide stretches may be that a search does not see."""
-    close = f"{2 * CLOSE_STEP:.2%} of N near a clean threshold of a fast pulse, " * effort.thorough
-    return (
-        f"in multiples of g; narrower stretches may lie below: than {close}"
-        f"{effort.ragged:.2%} near a ragged one, {effort.islands:.1%} elsewhere"
-    )
 
 
 def first_snaps(
@@ -135,9 +133,7 @@ def _search(search, grid):
 
 
 def _find_latched(search, columns):
-    """Find N_latched, (rows,), from the thresholds up; a user's own solver tells of none."""
-    if not search.effort.thorough:
-        return np.full(search.rows.f0.size, np.nan)
+    """Find N_latched, (rows,), from the thresholds up."""
     exists, highest = search.rows.device >= 0, search.highest
     first, error, ragged = (columns[key][exists] for key in ("N_first", "N_error", "ragged"))
     top = np.where(np.isnan(first), np.nan, ISLANDS_TO * first if highest is None else highest)

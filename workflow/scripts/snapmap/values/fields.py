@@ -66,7 +66,7 @@ class Row(NamedTuple):
 def rows(made: type) -> Iterator[Row]:
     """Yield a row for each key of a record."""
     instead = instead_of(made)
-    for field in sorted(fields(made), key=lambda field: bool(field.kw_only)):
+    for field in fields(made):
         kind = kind_of(hints(made)[field.name])
         needed = field.default is MISSING or instead.get(field.name) == []
         what, default = sentences(made).get(field.name, ""), None
@@ -101,7 +101,9 @@ class Docstring:
             return None
         text, heading, examples = inspect.cleandoc(self.text).partition("\n\nExamples\n")
         lines = [text, "", "Parameters", "----------"]
-        for key, what, _, default, _ in rows(made):
+        told = {row.key: row for row in rows(made)}
+        for key in inspect.signature(made).parameters:
+            default = told[key].default
             said = "" if default is None else f", default {default}"
-            lines += [f"{key} : {kind_of(hints(made)[key]).need}{said}", f"    {what}"]
+            lines += [f"{key} : {kind_of(hints(made)[key]).need}{said}", f"    {told[key].what}"]
         return "\n".join(lines) + heading + examples

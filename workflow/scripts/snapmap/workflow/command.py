@@ -5,7 +5,6 @@ import shutil
 import sys
 from argparse import ArgumentParser
 from collections.abc import Sequence
-from math import prod
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -17,15 +16,11 @@ PACKAGE = Path(__file__).parents[1]
 PIPELINE = next(path for path in (PACKAGE / "pipeline", PACKAGE.parents[2]) if path.is_dir())
 """The folder of the Snakefile: within the package in a wheel, else the checkout."""
 CONFIG, SCHEMA = "config.yaml", "schema.json"
-START = 2.5
-"""Measured core time of a job's start, s."""
 OTHERS = (
     "All other options and targets are those of Snakemake: -n tells the jobs, and how many cells"
     " are new; results/cube.nc makes that file alone; --directory FOLDER runs in another folder."
 )
 """What `snapmap run --help` ends with."""
-SEARCH = 50
-"""Typical number of runs for a clean threshold: 37 to 60 were counted."""
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -75,41 +70,23 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
-        from ..applications import refuse_all
         from ..config.doubts import descriptions, doubts
         from ..config.study import load_config
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
-    from .forecast import forecast
+    from .cost import amounts, core_seconds
     from .plan import make_plan
 
     study = load_config(read_document(config))
     plan = make_plan(study)
-    refuse_all(study)
     for line in filter(None, [*descriptions(study), study.left_out, *doubts(study)]):
         print(line)
+    cells, *others = amounts(study).items()
     sizes = ", ".join(f"{key} {values.size}" for key, values in study.axes.items())
     jobs = "a job" if len(plan.slabs) == 1 else f"{len(plan.slabs)} jobs"
-    print(f"{prod(study.grid.shape)} cells ({sizes}) in {jobs} of one core")
-    laws = study.model.laws
-    if laws and laws.solver:
-        print(_runs(study))
-        return
-    costs = forecast(study)
-    costs["cells"] += START * (len(plan.slabs) - 1)
-    parts = (f"{what} {spoken(START + seconds)}" for what, seconds in costs.items())
-    print(f"core time, about: {', '.join(parts)}")
-
-
-def _runs(study):
-    """Count the runs of a user's own solver, whose core time is unknown."""
-    cells = prod(study.grid.shape)
-    rows = cells // study.grid.axes["N"].size
-    runs = cells * (1 + study.repeats)
-    return (
-        f"runs of the solver: {runs} of cells, and about {SEARCH} for each of {rows} thresholds, "
-        "more where they are ragged"
-    )
+    print(f"{cells[1]} cells ({sizes}) in {jobs} of one core")
+    print("beside them: " + ", ".join(f"{what} {count}" for what, count in others if count))
+    print(f"core time, about: {spoken(core_seconds(study, plan))}")
 
 
 def run(config: Path, cores: str | None, others: Sequence[str] = ()) -> None:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..applications import attached, gather
+from ..applications import gather
 from ..config.study import Config
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
@@ -139,6 +139,4 @@ def _expected(study, settings, f0):
     at = device[:, np.newaxis, np.newaxis], 0.0, f0, 0.0, settings.horizon, pulse, grid.pulses
     cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings)
-    for part in attached().values():
-        seconds += part.observing(built, cells, settings)
     return dt.min(), seconds.mean(axis=1)

@@ -43,16 +43,6 @@ class Electrode(Application):
             return {}
         return closures_again(model, cells, observed, settings)
 
-    def observing(self, model: Follows, cells: Cells, settings: Run) -> np.ndarray | float:
-        """The core time of two more runs of each cell, s; 0 without an electrode."""
-        from ...solver.cost import steps_and_seconds
-        from ...solver.outcome import REPEATED_STEP
-
-        if not model.device.has_electrode.any():
-            return 0.0
-        moved = steps_and_seconds(model, cells, settings.but(until="moved"))[1]
-        return (1 + 1 / REPEATED_STEP) * moved
-
     def in_history(self, model: Follows, cells: Cells, settings: Run) -> dict[str, Any]:
         """The place of the electrode, and the closures of a cell; empty without an electrode."""
         from .closures import follow_closures

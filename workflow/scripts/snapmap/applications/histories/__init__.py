@@ -25,6 +25,10 @@ class Histories(Application):
         """f0 of the cells, Hz."""
         return [cell.f0 for cell in study.requests["histories"]]
 
+    def counts(self, study: Config) -> dict[str, int]:
+        """The cells."""
+        return {"histories": len(study.requests["histories"])}
+
     def doubts(self, study: Config) -> list[str]:
         """Lines about amplitudes that are hardly meant."""
         from ...config.plausible import unusual_runs

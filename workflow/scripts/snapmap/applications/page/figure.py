@@ -16,7 +16,6 @@ from matplotlib.colors import to_hex
 from plotly.offline import get_plotlyjs
 
 from ...config.devices import read_device
-from ...config.renamed import config_of
 from ...config.shocks import shocks_of
 from ...config.vibrations import vibrations
 from ...device.device import STOPS, VALUES
@@ -26,6 +25,7 @@ from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.outcome import OUTCOMES, WHOLE_SWING
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
+from ...study.provenance import config_of
 from ...study.study import Study
 from ...sweeps.cube import thin
 from ...values.units import is_plain, of_file, spelling

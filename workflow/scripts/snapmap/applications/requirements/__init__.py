@@ -75,12 +75,10 @@ class Requirements(Application):
             marks.append(Mark(shock.name, shock.f0, shock.N, pushed))
         return marks
 
-    def cost(self, study: Config) -> float:
-        """Approximate core time of the verdicts on shocks, s."""
-        from .forecast import judged_seconds
-
-        where = study.axes["C"].tolist(), study.temperatures
-        return judged_seconds(study.of_thresholds(), shocks_of(study), *where)
+    def counts(self, study: Config) -> dict[str, int]:
+        """Verdicts, one for each corner of each requirement."""
+        corners = len(study.devices()) * study.axes["C"].size * len(study.temperatures)
+        return {"verdicts": corners * len(study.requests["requirements"])}
 
     def outputs(self, study: Config) -> Files:
         """The table of verdicts."""

@@ -12,7 +12,7 @@ class Statics(Application):
     def outputs(self, study: Config) -> Files:
         """A file for each device, with its name if several; none of a user's own beam."""
         laws = study.model.laws
-        if laws and (laws.force or laws.solver):
+        if laws and laws.force:
             return {}
         several = len(study.devices()) > 1 or isinstance(study.device, dict)
         names = [f"_{name}" if several else "" for name in study.devices()]

@@ -42,12 +42,14 @@ class Tolerances(Application):
             lines += wide(plan) + [f"{name}: {line}" for line in lost]
         return lines
 
-    def cost(self, study: Config) -> float:
-        """Approximate core time to find the devices as made, s."""
-        from .forecast import made_seconds
-
-        plan = study.requests["tolerances"]
-        return made_seconds(study, study.axes, plan, shocks_of(study)) if plan else 0.0
+    def counts(self, study: Config) -> dict[str, int]:
+        """Thresholds of the samples, those that estimate Sobol indices among them."""
+        made, C, f0 = study.requests["tolerances"], study.axes["C"].size, study.axes["f0"].size
+        if not made:
+            return {}
+        rows = len(study.devices()) * C * (f0 * len(study.shocks.pulses) + len(shocks_of(study)))
+        samples = made.samples + made.power * (1 + len(made.scatters))
+        return {"thresholds of devices as made": rows * samples}
 
     def outputs(self, study: Config) -> Files:
         """Thresholds, probabilities and the yield."""
