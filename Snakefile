@@ -52,9 +52,9 @@ from snapmap.study.provenance import (
 )
 from snapmap.applications import attached, gather, refuse_all
 from snapmap.config.devices import nominal
-from snapmap.config.doubts import descriptions, doubts
+from snapmap.applications.whole import doubts, files_of, load_config
+from snapmap.config.doubts import descriptions
 from snapmap.workflow.products import choose_views
-from snapmap.config.study import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import VALUES
 from snapmap.study.study import OF_THRESHOLDS
@@ -82,8 +82,8 @@ try:
     # Parameters of the rules, by which products of other code are made again.
     code = hash_numbers(scripts / "jobs.py") | hash_drawing(scripts / "draw.py")
     if workflow.is_main_process:
-        plan_with(study.files() | code)
-    hold_to_plan(study.files())
+        plan_with(files_of(study) | code)
+    hold_to_plan(files_of(study))
     plan = make_plan(study)
     warnings = doubts(study)
     if workflow.is_main_process:

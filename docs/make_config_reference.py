@@ -11,8 +11,8 @@ from pathlib import Path
 
 import yaml
 
-from snapmap.config.document import OF_SNAKEMAKE, Document
-from snapmap.config.study import load_config
+from snapmap.applications.whole import Document, load_config
+from snapmap.config.document import OF_SNAKEMAKE
 from snapmap.device.device import VALUES
 from snapmap.solver.options import MODELS
 from snapmap.values.fields import Row, hints, rows

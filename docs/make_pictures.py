@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import snapmap
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import maps, scales, style
 from snapmap.solver.laws import load_laws

@@ -11,9 +11,9 @@ from varied import varied
 import snapmap
 from snapmap import Study
 from snapmap.applications.calibration.shots import read_shots, shots_from
+from snapmap.applications.whole import load_config
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.config.points import read_points
-from snapmap.config.study import load_config
 from snapmap.pulse.pulse import N_of_g, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows

@@ -14,7 +14,7 @@ import yaml
 from small_studies import EVERY_PRODUCT, SHOTS, THREE_COSINES, changed
 from small_workflow import snakemake
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.files.text import describe
 from snapmap.values.faults import Faults
 from snapmap.workflow.plan import make_plan

@@ -18,9 +18,9 @@ from hypothesis import strategies as st
 from small_studies import MISSING, faults
 
 from snapmap.applications import boundary, requirements, window
+from snapmap.applications.whole import doubts, load_config
 from snapmap.config.devices import load_device, read_device
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.shape import TILT
@@ -177,7 +177,7 @@ READ = """
 import sys
 from snapmap.applications import refuse_all
 from snapmap.config.devices import load_device
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
 
 for name in ("config", "handout", "sensor", "arm"):

@@ -15,8 +15,8 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.applications.calibration.shots import read_shots
 from snapmap.applications.requirements import shocks_of
+from snapmap.applications.whole import files_of, load_config, planned_study
 from snapmap.config.points import read_points
-from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
@@ -57,9 +57,9 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     write_table("shape.csv", "x (um),w (um)", x, 5 * (1 - np.cos(2 * np.pi * x / 600)))
     study = load_config(changed(DOCUMENT, device__beam__shape={"file": "shape.csv"}))
     hashes = {path.name: hashlib.sha256(path.read_bytes()) for path in folder.glob("*.csv")}
-    assert study.files() == {name: held.hexdigest() for name, held in hashes.items()}
+    assert files_of(study) == {name: held.hexdigest() for name, held in hashes.items()}
     for pulse in (study.shock, shocks_of(study)[0].pulse):
-        assert pulse["sha256"] == study.files()["shock.csv"]
+        assert pulse["sha256"] == files_of(study)["shock.csv"]
 
 
 def test_a_record_acts_along_the_direction_that_is_written(folder):
@@ -71,8 +71,8 @@ def test_a_record_acts_along_the_direction_that_is_written(folder):
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     study = load_config(DOCUMENT)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
-    hold_to_plan(study.files())
-    plan_with(study.files())
+    hold_to_plan(files_of(study))
+    plan_with(files_of(study))
     assert planned_study(DOCUMENT, threads=2).run.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")

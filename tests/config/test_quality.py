@@ -11,11 +11,10 @@ import yaml
 from small_studies import MISSING, THREE_COSINES, changed, faults
 
 import snapmap
+from snapmap.applications.whole import doubts, load_config
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.modal import natural_frequency
 from snapmap.config.devices import read_device
-from snapmap.config.doubts import doubts
-from snapmap.config.study import load_config
 from snapmap.config.vibrations import vibrations
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.ledger import CellRun

@@ -234,6 +234,28 @@ def test_what_belongs_elsewhere_is_told_where(right_calls):
             snapmap.sweep(**sweep, **{key: 1})
 
 
+def test_a_duration_stands_for_f0_in_every_call_and_beside_it_in_none(handout):
+    study = snapmap.Study(handout, "3 cosines", horizon=0)
+    drop = {"name": "drop", "N": 900.0, "snaps": False}
+    asked = {
+        "threshold": {"C": 25.0},
+        **{"sweep": {"N": 1000.0, "C": 25.0}, "simulate": {"N": 1000.0, "C": 25.0}},
+        "tolerance": {"scatters": {"rise": "1 %"}, "C": 25.0, "samples": 4},
+    }
+    for name, values in asked.items():
+        made = FUNCTIONS[name](study, duration="0.4 ms", **values)
+        assert made.identical(FUNCTIONS[name](study, f0=2500.0, **values))
+        with pytest.raises(ValueError, match=r"\Aduration: excludes f0, .*; write one of them\Z"):
+            FUNCTIONS[name](study, f0=2500.0, duration=400.0, **values)
+        with pytest.raises(TypeError, match=r"\Af0: missing; write f0 or duration\Z"):
+            FUNCTIONS[name](study, **values)
+    of_both = [
+        snapmap.design(study, "C", between=(10, 400), requirements=[drop | time]).low.values
+        for time in ({"duration": 400.0}, {"f0": "2.5 kHz"})
+    ]
+    np.testing.assert_array_equal(*of_both)
+
+
 def test_all_faults_of_a_call_are_told_at_once(handout):
     with pytest.raises(ValueError) as caught:
         snapmap.threshold(handout, -1.0, "25 kg", tolerance=1.0, axes={"rise": "a"})

@@ -17,9 +17,9 @@ from snapmap import Study
 from snapmap.applications import gather
 from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
+from snapmap.applications.whole import doubts, load_config
 from snapmap.beam.elements import hermite_elements
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.config.doubts import descriptions
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver import lawful_loop, plain_loop

@@ -12,9 +12,9 @@ import snapmap
 from snapmap.applications.datasheet.datasheet import reset_force
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
+from snapmap.applications.whole import load_config
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.beam.modal import contact_stiffness
-from snapmap.config.study import load_config
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes

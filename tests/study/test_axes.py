@@ -12,7 +12,7 @@ from varied import varied
 
 import snapmap
 from snapmap import Study
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.views import frequency_of
 from snapmap.device.device import VALUES
 from snapmap.study.axes import duration_of

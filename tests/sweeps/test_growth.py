@@ -13,7 +13,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap import Study
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model

@@ -15,7 +15,7 @@ import yaml
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.workflow.made import HEAD, LIST
 
 pytestmark = pytest.mark.long

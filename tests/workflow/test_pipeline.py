@@ -18,7 +18,7 @@ from small_workflow import snakemake, wait_for
 
 import snapmap
 from snapmap.applications import attached, gather, window
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.study.provenance import NUMBERS, code_hash

@@ -15,7 +15,7 @@ import snapmap
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 from snapmap.values.faults import Faults

@@ -13,7 +13,7 @@ from small_results import SETTINGS, make_cells, make_verdict, swept
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, WORDS, _opening, page
 from snapmap.applications.requirements.verdict import write_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.figures.states import ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run

@@ -14,7 +14,7 @@ from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import application, shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.verdict import read_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end

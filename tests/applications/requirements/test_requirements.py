@@ -17,7 +17,7 @@ from snapmap.applications.requirements.figure import draw_margins
 from snapmap.applications.requirements.required import RequiredShock
 from snapmap.applications.requirements.summary import hint, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock

@@ -25,7 +25,7 @@ from snapmap.applications.tolerances.statistics import (
     quantile_bounds,
     quantiles,
 )
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.numerics.statistics import wilson
 from snapmap.pulse.shocks import make_shocks

@@ -15,6 +15,7 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
+from .study.axes import frequencies
 from .study.study import Study
 from .values import calls
 from .values.units import OF_DAMPER
@@ -83,7 +84,9 @@ def _doubts(study, values):
     yield from unusual_runs(horizon=study.horizon, **({} if N is None else {"N": N}))
     for pulse in study.shocks.shapes.values():
         yield from (f"{pulse.name}: {note}" for note in pulse.notes)
-    C, f0 = (values.get(key) for key in ("C", "f0"))
+    C, f0 = values.get("C"), None
+    if "f0" in values:
+        f0 = frequencies(values["f0"], values.get("duration"))
     for single in study.devices().values():
         alone = batch([single])
         if C is None or f0 is None:

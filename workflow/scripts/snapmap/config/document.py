@@ -1,11 +1,10 @@
-"""The whole config but device and shock: `Document`, and its sections."""
+"""The sections of the core in a config, but for device and shock."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated
 
-from ..applications import gather
 from ..files.named import sha256_of
 from ..files.tables import ROWS
 from ..files.text import describe
@@ -15,7 +14,7 @@ from ..study.arguments import AxesOfDevice
 from ..study.axes import COORDINATES, KIND_OF, one_time
 from ..values.kinds import Several, Word, kind_of
 from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
-from ..values.records import record, row_of_kinds
+from ..values.records import record
 from .devices import DeviceSection
 from .kinds import PATH, Title
 from .points import read_points
@@ -162,7 +161,3 @@ def _dampers(written, sweep, several):
         return dict.fromkeys(factors, "replaces sweep.C; write one of them")
     wanted = "dampers (force time per length) of the mass, or device.quality_factor"
     return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}
-
-
-Document = row_of_kinds("Document", gather(lambda part: part.section()), Core)
-"""The whole config: sections of the core and of all applications."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..applications import attached
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
@@ -17,6 +16,7 @@ from .points import read_points
 from .vibrations import vibrations
 
 if TYPE_CHECKING:
+    from ..pulse.pulse import Pulse
     from .study import Config
 
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
@@ -50,8 +50,11 @@ def dampers(study: Config) -> np.ndarray | None:
     return None if study.model.laws else study.axes["C"]
 
 
-def doubts(study: Config) -> list[str]:
-    """Warn, in lines, of values that are hardly meant and of what the model may leave out."""
+def doubts_of_core(study: Config, records: Sequence[tuple[Pulse, float]] = ()) -> list[str]:
+    """Warn, in lines, of values that are hardly meant and of what the model may leave out.
+
+    records: recorded shocks beside the study's own, each with an f0, Hz
+    """
     axes, (first, *_) = study.axes, study.devices().values()
     swings = max(pulse.swings for pulse in study.shocks.pulses)
     lines = implausible(study.grid.device, dampers(study), axes["f0"], swings)
@@ -68,13 +71,11 @@ def doubts(study: Config) -> list[str]:
             remarks.append(f"temperature: {IDLE}")
         lines += [f"{name}: {line}" for line in remarks if line]
     shaking = [(pulse, axes["f0"][-1]) for pulse in study.shocks.shapes.values()]
-    shaking += [pair for part in attached().values() for pair in part.records(study)]
-    for pulse, f0 in shaking:
+    for pulse, f0 in [*shaking, *records]:
         lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
-    lines += [line for part in attached().values() for line in part.doubts(study)]
-    return list(dict.fromkeys(lines))  # a record may be that of several shocks
+    return lines
 
 
 def barely(device: Device) -> str:

@@ -9,7 +9,7 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -69,6 +69,15 @@ def duration_of(f0: float) -> float:
 def frequency_of(duration: float) -> float:
     """Give the frequency, Hz, of a pulse by its duration, us, to 14 digits: 0.5 ms is 2000 Hz."""
     return float(f"{1e6 / duration:.14g}")
+
+
+def frequencies(f0: Any, duration: Any) -> Any:
+    """Give f0, Hz, or that of durations, us; None where both are."""
+    if duration is None:
+        return f0
+    if np.ndim(duration):
+        return np.array([frequency_of(each) for each in duration])
+    return frequency_of(duration)
 
 
 def one_time(written: Mapping, lasts_itself: bool = False) -> dict[str, str]:

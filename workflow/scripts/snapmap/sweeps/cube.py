@@ -12,9 +12,9 @@ from ..solver.adaptive import choose_model
 from ..solver.options import TOLERANCE
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study.arguments import AnyStudy, Axes
-from ..study.axes import NAMES, rows_of
+from ..study.axes import NAMES, frequencies, rows_of
 from ..study.variables import dress, flags, variables
-from ..values.quantities import Amplitudes, Dampers, Frequencies
+from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes
 from .grid import Observers, follow_rows
 
 LABEL_DISTANCE = 0.01
@@ -48,6 +48,7 @@ def sweep(
     f0: Frequencies | None,
     C: Dampers,
     *,
+    duration: PulseTimes | None = None,
     axes: Axes | None = None,
     observers: Observers = (),
 ) -> xr.Dataset:
@@ -63,6 +64,8 @@ def sweep(
         Frequencies of the pulse, Hz, each once; None for a recorded shock.
     C
         Dampings of the mass, uN us/um, each once.
+    duration
+        Durations of the pulse, us, in place of f0.
     axes
         Values of the device, internal units, by name.
 
@@ -86,7 +89,7 @@ def sweep(
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    axes = {**(axes or {}), "C": C, "f0": f0, "N": N}
+    axes = {**(axes or {}), "C": C, "f0": frequencies(f0, duration), "N": N}
     cells = math.prod(np.size(values) for values in axes.values() if values is not None)
     if cells > MOST_CELLS:
         raise ValueError(

@@ -36,6 +36,7 @@ def checked(
     @functools.wraps(function)
     def call(*positional: Any, **named: Any) -> Any:
         given, faults = by_name(function.__name__, parameters, positional, named)
+        faults |= _one_time(arguments, given)
         reading = Reading(unit_of_C=unit_of_C(given))
         try:
             values = convert(arguments, given, reading, faults, unknown, elsewhere)
@@ -46,6 +47,17 @@ def checked(
 
     call.__signature__ = shown(signature, arguments)
     return call
+
+
+def _one_time(arguments, given):
+    """Let f0 be left out beside a duration, which excludes it; returns lines by name."""
+    if not {"f0", "duration"} <= arguments.keys():
+        return {}
+    if "duration" in given:
+        both = given.setdefault("f0") is not None and given["duration"] is not None
+        return {"duration": "excludes f0, which is 1/duration; write one of them"} if both else {}
+    is_missing = "f0" not in given and not arguments["f0"].is_optional
+    return {"f0": "missing; write f0 or duration"} if is_missing else {}
 
 
 class _Words(str):

@@ -14,14 +14,14 @@ from ...device.samples import nominal_value
 from ...files.text import plain
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy
-from ...study.axes import KIND_OF, attributes_of, unit_on
+from ...study.axes import KIND_OF, attributes_of, frequencies, unit_on
 from ...study.shock import Shock, take_shock
 from ...study.study import ANY, Study
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 from ...values.arguments import Reading
 from ...values.kinds import Fitting, Pair, kind_of
-from ...values.quantities import Damper, Frequency, Positive
+from ...values.quantities import Damper, Frequency, Positive, PulseTime
 
 POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""
@@ -64,6 +64,7 @@ def design(
     f0: Frequency | None = None,
     C: Damper | None = None,
     *,
+    duration: PulseTime | None = None,
     between: Between | None = None,
     requirements: Requirements = (),
 ) -> Design | xr.Dataset:
@@ -81,11 +82,13 @@ def design(
         Frequency of the pulse, Hz; None with requirements.
     C
         Damping of the mass, uN us/um; None where C is the value.
+    duration
+        Duration of the pulse, us, in place of f0.
     between
         Low and high end of the searched range, internal units.
     requirements
-        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must hold under
-        all its shapes and directions.
+        Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction; each
+        must hold under all its shapes and directions.
 
     Returns
     -------
@@ -111,6 +114,7 @@ def design(
     """
     start = study.start
     required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    f0 = frequencies(f0, duration)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that design searches; leave it out")

@@ -23,10 +23,11 @@ from ...solver.options import section_of
 from ...solver.outcome import label
 from ...solver.settings import FIRST, Run
 from ...study.arguments import SingleStudy
+from ...study.axes import frequencies
 from ...study.provenance import device_sections
 from ...study.study import Study
 from ...study.variables import dress
-from ...values.quantities import Amplitude, Damper, Frequency
+from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from .. import merge
 
 SAMPLES = 4000
@@ -46,7 +47,14 @@ FARTHEST = 5.0
 valid, and warned of."""
 
 
-def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) -> xr.Dataset:
+def simulate(
+    study: SingleStudy,
+    N: Amplitude,
+    f0: Frequency | None,
+    C: Damper,
+    *,
+    duration: PulseTime | None = None,
+) -> xr.Dataset:
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
     Of the models of `auto` the finest is used; `energy_tolerance` only sets the time step.
@@ -61,6 +69,8 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
         Frequency of the pulse, Hz; None for a recorded shock.
     C
         Damping of the mass, uN us/um.
+    duration
+        Duration of the pulse, us, in place of f0.
 
     Returns
     -------
@@ -84,6 +94,7 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     >>> snapmap.words(run.outcome).item(), round(run.t_snap.item())
     ('snapped', 365)
     """
+    f0 = frequencies(f0, duration)
     return history_of(study, N, study.shocks.own_frequency() if f0 is None else f0, C)
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar
 
 from ...config.kinds import Title
 from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, shocks_of
+from ...config.study import require_start
 from ...files.text import show
 from ...solver.settings import FIRST
 from ...study.axes import frequency_of, one_time
@@ -156,8 +157,6 @@ def read_requirements(
 
     pulse: the study's section `pulse`, or None
     """
-    from ...config.study import require_start  # which itself imports these sections
-
     names = [section.name for section in sections]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"{show(twice)} comes twice; write another name")
