@@ -36,7 +36,7 @@ CORE += ("sweeps",)
 SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("config", "public", "workflow")
 """Who reads the list of applications, which holds names alone."""
-MOST_LINES = {"core": 13_570, "shell": 4_220, "application": 1_025}
+MOST_LINES = {"core": 13_590, "shell": 4_220, "application": 1_025}
 
 
 def room_of(path, package):

@@ -26,19 +26,23 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.shock, "written": study.written}
-        return {"explore": shown | {"horizon": study.horizon, "required": required}}
+        shown |= {"horizon": study.horizon, "required": required}
+        return {"explore": shown | {"own_points": list(study.own_points)}}
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Write the page."""
+        from ...config.points import read_points
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
         from ..requirements.verdict import read_verdicts
-        from .figure import page  # brings Plotly
+        from .figure import page
 
         verdicts = read_verdicts(files["requirements"]) if "requirements" in files else ()
         with open_whole(files["cube"]) as cube, open_whole(files["threshold"]) as thresholds:
             for name, shown in figures.items():
-                text = page(cube, thresholds, shown, verdicts)
+                own = shown["own_points"]
+                points = read_points(*own) if own else ()
+                text = page(cube, thresholds, shown, verdicts, points)
                 write_text(text, f"{folder}/{name}.html")
 
 

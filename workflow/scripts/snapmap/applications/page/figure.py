@@ -6,23 +6,24 @@ import json
 import re
 import zlib
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import to_hex
-from plotly.offline import get_plotlyjs
+from matplotlib.colors import LogNorm, Normalize, to_hex
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ...config.devices import read_device
+from ...config.points import Point
 from ...config.shocks import shocks_of
-from ...config.vibrations import vibrations
 from ...device.device import STOPS, VALUES
-from ...figures import captions, scales, states
+from ...figures import captions, plane, scales, states
 from ...files.text import leaves
 from ...pulse.shocks import HANDOUT_SHOCK
-from ...solver.outcome import OUTCOMES, WHOLE_SWING
+from ...solver.outcome import OUTCOMES
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.provenance import config_of
@@ -30,7 +31,7 @@ from ...study.study import Study
 from ...sweeps.cube import thin
 from ...values.units import is_plain, of_file, spelling
 from ..requirements.verdict import Verdict
-from .forms import LIMITS, NUMBERS, forms, pulses
+from .forms import PLACES, forms, pulses
 
 HERE = Path(__file__).parent
 MIXED = "some guided, some free to tilt"
@@ -40,20 +41,12 @@ STRUCK = {
     "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
 }
 """Words for what the pulse does, by the kind of the drawing."""
-WORDS = {
-    "unsnapped": "no snap, end not known",
-    "never": "settles without a snap",
-    "snapped": "snaps, end not known",
-    "latched": "snaps and settles there",
-    "returned": "snaps and settles back",
-    "failed": "failed",
-    "absent": "no second stable shape",
-}
-"""Words for each outcome, in the order of the codes."""
 GREY = "#999999"
 """Colour of absent cells, which printed maps leave white and hatched."""
 RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
 """Colours of snap times, from the first to the last."""
+FACES = {True: "black", False: "white", None: "grey"}
+"""Colour of a user's own point, by whether it tripped."""
 SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
 """Symbols in the drawing of the device."""
 OWN = {
@@ -62,6 +55,8 @@ OWN = {
 }
 """Words for values that only a config has."""
 EDGES = ("N_first", "N_error", "N_always")
+SUBS, TICKS = ((1, 2, 5), (1, 3), (1,)), 5
+"""Digits that have ticks in a decade, densest choice first, and the most ticks for a phone."""
 TOO_LONG = "This shock has too many samples to be followed here; histories in the config follow it."
 OF_LAWS = "This page does not know the laws of the study, so it follows no shock."
 """Reasons why the page does not follow a shock."""
@@ -74,6 +69,7 @@ def page(
     thresholds: xr.Dataset,
     shown: Mapping[str, Any],
     verdicts: Sequence[Verdict] = (),
+    points: Sequence[Point] = (),
 ) -> str:
     """Write a cube and its thresholds as one HTML page that needs nothing else.
 
@@ -84,17 +80,16 @@ def page(
         title: of the study; pulse: its section, as in `Config`; empty for the handout's
         required: shocks to mark: name, f0 (Hz), N, and shape and direction of each of its pulses
     verdicts: of which the page tells the worst of each of these shocks
+    points: a user's own
     """
     cells, document = thin(cube), config_of(cube.attrs)
     dims, devices = cells.outcome.dims, _devices(document)
     thresholds = thresholds.sel({key: cells[key] for key in dims[:-1]})
-    data = _data(cells, thresholds, document, shown, verdicts)
+    data = _data(cells, thresholds, document, shown) | _marks(cells, shown, verdicts, points)
     sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
     kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
-    thinned = " and ".join(filter(None, [", ".join(kept[:-1]), *kept[-1:]]))
     model, kind = document["model"], _kind_of(devices)
     return Template(_text("explore.html")).substitute(
-        plotly=get_plotlyjs(),
         title=html.escape(shown["title"] or TITLE),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
@@ -102,7 +97,7 @@ def page(
         struck=STRUCK[kind],
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code="\n".join(map(_text, ("simulate.js", "explore.js"))),
-        thinned=f"Shown are {thinned} of the cube. " if kept else "",
+        thinned=f"Shown of the cube: {', '.join(kept)}. " if kept else "",
         unfollowed=" hidden" if "laws" in model else "",
         model=html.escape(
             " with ".join(str(model[key]) for key in ("name", "laws") if key in model)
@@ -117,38 +112,66 @@ def _devices(document):
     return document.get("devices", {"": document.get("device", {})})
 
 
-def _data(cells, thresholds, document, shown, verdicts):
+def _data(cells, thresholds, document, shown):
     """What the script of the page reads; arguments as those of `page`."""
     dims, devices, (x, y) = cells.outcome.dims, _devices(document), _plane(cells)
     has_laws = "laws" in document["model"]
-    dampers = [None if has_laws else [C] for C in cells.C.values.tolist()]
+    library = (files("plotly") / "package_data" / "plotly.min.js").read_bytes()
+    starts = STARTS[::-1] if captions.starts(document) else STARTS
+    simulation = _simulation(cells, document, shown["pulse"])
+    arrays = _arrays(cells, thresholds) | simulation.pop("arrays")
     return {
         "axes": [_axis(cells, key) for key in dims],
         "x": x,
         "y": y,
-        "start": _opening(cells, x, y),
+        "durations": _durations(cells.f0.values) if x == "f0" else None,
+        "at": _opening(cells, y),
         "horizon": float(shown["horizon"]),
-        "shapes": STARTS[::-1] if captions.starts(document) else STARTS,
+        "shapes": starts,
         "devices": {
             html.escape(name): [*_rows(shown["written"][name or "device"])] for name in devices
         },
-        "vibrations": {
-            html.escape(name): [_vibration(device, C) for C in dampers]
-            for name, device in devices.items()
-        },
         "varied": [(key, _named(key)) for key in dims if key in VALUES],
         "views": _views(cells),
-        "wide": states.WIDE,
-        "outcomes": [{"name": name, "words": WORDS[name]} for name in OUTCOMES],
-        "whole": WHOLE_SWING,
-        "required": [
-            (html.escape(name), *place, html.escape(_worst(name, verdicts)))
-            for name, *place in shown["required"]
-        ],
         "unfollowed": OF_LAWS if has_laws else TOO_LONG,
-        "arrays": {key: _pack(values) for key, values in _arrays(cells, thresholds).items()},
-        **_simulation(cells, document, shown["pulse"]),
+        "plotly": _pack(np.frombuffer(library, np.uint8)),
+        "arrays": {key: _pack(values) for key, values in arrays.items()},
+        **simulation,
     }
+
+
+def _marks(cells, shown, verdicts, points):
+    """Required shocks and a user's own points, if f0 and N span the map; arguments as of `page`."""
+    if _plane(cells) != ("f0", "N") or 1 in (cells.f0.size, cells.N.size):
+        shown, points = {"required": ()}, ()
+    required = [
+        _required(cells, number, *shock, _worst(shock[0], verdicts))
+        for number, shock in enumerate(shown["required"], start=1)
+    ]
+    kinds = dict.fromkeys(point.snapped for point in points)
+    own = {key: [getattr(point, key) for point in points] for key in ("f0", "N")}
+    own["face"] = [FACES[point.snapped] for point in points]
+    own["keys"] = [_key(FACES[tripped], plane.POINT_WORDS[tripped]) for tripped in kinds]
+    return {"required": required, "points": own}
+
+
+def _required(cells, number, name, f0, N, pushed, verdict):
+    """Describe a required shock: its number on the map, at the edge if it lies beyond; its key."""
+    across = [scales.scale_of(key, cells[key].values) for key in ("f0", "N")]
+    (left, right), (low, high) = (scale.edges[[0, -1]] for scale in across)
+    place = np.clip([f0, N], [left, low], [right, high])
+    x, y = (np.log10(at) if of.is_log else at for at, of in zip(place, across, strict=True))
+    # The number stands beside its place, towards the middle of the map.
+    aside = {"ax": -18 if f0 >= right else 18, "ay": -18 if low >= N else 18}
+    words = f"{number}: required shock {name}, N = {_say(N)}, {_say(f0)} Hz"
+    words += "" if place.tolist() == [f0, N] else " (beyond the map)"
+    words += f"; {verdict}" if verdict else ""
+    mark = {"text": str(number), "x": float(x), "y": float(y), **aside}
+    return {"pushed": pushed, "mark": mark, "words": html.escape(words)}
+
+
+def _key(colour, words):
+    return f'<i style="background:{colour}"></i>{words}'
 
 
 def _worst(name, verdicts):
@@ -168,19 +191,18 @@ def _simulation(cells, document, pulse):
     devices = {name: read_device(section) for name, section in _devices(document).items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)
-    grid, start = study.set_out(axes), captions.starts(document)
-    table, known = forms(grid, SECOND if start else FIRST), pulses(study)
+    grid = study.set_out(axes)
+    table, steps = forms(grid, SECOND if captions.starts(document) else FIRST)
+    known = pulses(study)
     for pulse in known:
         pieces = None if "laws" in document["model"] else pulse["pieces"]
-        pulse["pieces"] = None if pieces is None else _pack(pieces, np.float64)
+        pulse["pieces"] = None if pieces is None else _pack(pieces)
     return {
-        "side": -1 if start else 1,
-        "names": NUMBERS,
-        "limits": LIMITS,
+        "places": PLACES,
         "width": table.shape[1],
-        "forms": _pack(table, np.float64),
         "deviceOf": grid.device_of.ravel().tolist(),
         "pulses": known,
+        "arrays": {"forms": table, "dt": steps},
     }
 
 
@@ -198,26 +220,48 @@ def _plane(cells):
 
 
 def _axis(cells, key):
-    """An axis for the page: places of its values, texts, unit and scale."""
+    """An axis for the page: places of its values, texts, ticks and scale."""
     words, scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
     unit = spelling(of_file(cells[key].attrs["units"])).page if key in KIND_OF else ""
-    every = -(-scale.values.size // scales.SEVERAL)
-    label = scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key]
-    lead = f"{words} ".lstrip() if key in NAMES else f"{_typeset(words)} = "
+    label = _typeset(scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key])
+    values = scale.values.tolist()
+    ticks = {"tickvals": _round_between(*scale.edges[[0, -1]], scale.is_log)}
+    ticks["ticktext"] = [_say(value) for value in ticks["tickvals"]]
+    if scale.is_counted or len(values) == 1:  # names and single values have a tick each
+        every = slice(None, None, -(-len(values) // scales.SEVERAL))
+        ticks = {"tickvals": scale.places[every].tolist(), "ticktext": [*map(_say, values[every])]}
     return {
         "name": key,
-        "label": _typeset(label),
+        "label": label,
+        "title": f"{label} ({unit})" if unit else label,
         "unit": unit,
-        "lead": lead,
+        "lead": f"{words} ".lstrip() if key in NAMES else f"{_typeset(words)} = ",
         "values": scale.places.tolist(),
         "edges": scale.edges.tolist(),
-        "texts": [_say(value, unit) for value in scale.values.tolist()],
+        "texts": [_say(value, unit) for value in values],
         "type": "log" if scale.is_log else "linear",
-        # Names and single values have a tick each.
-        "ticked": every if scale.is_counted or scale.values.size == 1 else 0,
-        "bare": [_say(value) for value in scale.values.tolist()],
-        "numbers": cells[key].values.tolist() if key in SHOCK_AXES else [],
+        "ticks": ticks,
+        "numbers": values if key in SHOCK_AXES else [],
     }
+
+
+def _round_between(low, high, is_log=True):
+    """List round numbers between the ends of an axis, few enough for a phone."""
+    locators = [LogLocator(subs=subs) for subs in SUBS] if is_log and high > 4 * low else []
+    locators.append(MaxNLocator(TICKS - 1, steps=[1, 2, 5, 10]))
+    for locator in locators:
+        ticks = locator.tick_values(low, high)
+        ticks = ticks[(low <= ticks) & (ticks <= high)].tolist()
+        if len(ticks) <= TICKS:
+            break
+    return ticks
+
+
+def _durations(f0):
+    """Give the ticks of durations (ms) on an axis of frequencies (Hz)."""
+    edges = 1e3 / scales.scale_of("f0", f0).edges
+    ticks = _round_between(edges[-1], edges[0]) if f0.size > 1 else (1e3 / f0).tolist()
+    return {"tickvals": [1e3 / tick for tick in ticks], "ticktext": [*map(_say, ticks)]}
 
 
 def _say(value, unit=""):
@@ -259,14 +303,6 @@ def _rows(section):
         yield path.rpartition(".")[2], _named(path), html.escape(text)
 
 
-def _vibration(device: Mapping, C: Sequence[float] | None):
-    """Rows of the natural vibrations of beam and mass: name, frequency and quality factor."""
-    return [
-        [html.escape(text.replace("uN*us/um", "µN µs/µm")) for text in row]
-        for row in vibrations(read_device(device), C)
-    ]
-
-
 def _named(path):
     """Write the words for a value of the device, with its symbol, as HTML."""
     name = path.rpartition(".")[2]
@@ -277,46 +313,62 @@ def _named(path):
 def _views(cells):
     """Describe the views of the map: whether cells snap, when, and, if known, where they end.
 
-    A view has a name and words; states, and the name of the array of their codes; and a colour
-    scale for plotly. In the view of times RAMP replaces the colour of `snaps`.
+    A view has a name and words; states, each with its key, and the name of the array of their
+    codes; and a colour scale for plotly. In the view of times RAMP replaces the colour of `snaps`.
     """
     times = (states.WAITING, *states.SNAPS[1:])
-    shown = [("snap", "snaps", "snap", states.SNAPS), ("time", "time", "snap", times)]
+    shown = [("snap", "snaps", states.SNAPS), ("time", "time", times)]
     if "well" in cells:
-        shown.append(("end", "where it ends", "end", states.STATES))
+        shown.append(("end", "where it ends", states.STATES))
+    first, last = (f"{_say(time)} ms" for time in _snap_times(cells) / 1e3)
+    ramp = f'<i class="ramp" style="background:linear-gradient(to right, {",".join(RAMP)})"></i>'
     views = []
-    for name, words, code, (*known, absent) in shown:
+    for name, words, (*known, absent) in shown:
         known = [*known, absent._replace(colour=GREY)]
+        keys = [_key(state.colour, html.escape(state.words)) for state in known]
         colours = [[state.colour] * 2 for state in known]
-        view = {"name": name, "words": words, "code": code}
         if name == "time":
-            colours[1] = view["ramp"] = RAMP
-        view["scale"] = [
+            colours[1], keys[1] = RAMP, f"{first} {ramp}{last}, first snap"
+        scale = [
             ((place + share) / len(colours), colour)
             for place, ramp in enumerate(colours)
             for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
         ]
-        views.append(view | {"states": [state._asdict() for state in known]})
+        named = [
+            {"name": state.name, "words": state.words, "key": key}
+            for state, key in zip(known, keys, strict=True)
+        ]
+        views.append({"name": name, "words": words, "code": name, "scale": scale, "states": named})
     return views
 
 
-def _opening(cells, x, y):
-    """Choose the first cell, by its place on each axis: at a threshold, near the middle of x and y.
+def _snap_times(cells):
+    """Give the first and the last snap, us; 0 if nothing snaps."""
+    return np.nan_to_num([cells.t_snap.min(), cells.t_snap.max()])
+
+
+def _time_codes(cells):
+    """Give the codes of the view of times: those of snaps, plus the place on RAMP, -0.5 to 0.5."""
+    first, last = _snap_times(cells)
+    norm = (LogNorm if last > states.WIDE * first else Normalize)(first, last)
+    codes, places = states.snap_states(cells), norm(cells.t_snap.values.ravel())
+    shade = 0.98 * (places.reshape(codes.shape) - 0.5)
+    return codes + xr.where(codes == 1, shade, 0)
+
+
+def _opening(cells, y):
+    """Choose the first cell, by its place on each axis: at a threshold, near the middle.
 
     If possible, the cell snaps, the cell below it does not, and another step ends alike.
     """
-    dims, snaps = cells.outcome.dims, np.isfinite(cells.t_snap.values)
-    known = ~np.isin(cells.outcome.values, (OUTCOMES.index("failed"), OUTCOMES.index("absent")))
-    along = np.moveaxis(known & ~snaps, dims.index(y), 0)
-    below = np.moveaxis(np.concatenate([np.zeros_like(along[:1]), along[:-1]]), 0, dims.index(y))
-    first = snaps & below
-    sure = states.end_states(cells).values != states.ELSEWHERE if "well" in cells else known
+    dims, snaps = cells.outcome.dims, cells.t_snap.notnull()
+    known = ~cells.outcome.isin([OUTCOMES.index("failed"), OUTCOMES.index("absent")])
+    first = snaps & (known & ~snaps).shift({y: 1}, fill_value=False)
+    sure = states.end_states(cells) != states.ELSEWHERE if "well" in cells else known
     choice = next(mask for mask in (first & sure, first, known, ~known) if mask.any())
-    places, size = np.argwhere(choice), np.array(choice.shape)
-    off = ((places - (size - 1) / 2) / size) ** 2
-    drawn = np.isin(dims, (x, y))
-    nearest = np.lexsort([off[:, drawn].sum(axis=1), off[:, ~drawn].sum(axis=1)])[0]
-    return places[nearest].tolist()
+    places = np.argwhere(choice.transpose(*dims).values)
+    off = (places + 0.5) / cells.outcome.shape - 0.5
+    return places[(off**2).sum(axis=1).argmin()].tolist()
 
 
 def _arrays(cells, thresholds):
@@ -325,9 +377,10 @@ def _arrays(cells, thresholds):
     unknown = xr.full_like(cells.t_snap, np.nan)
     columns = {
         "snap": states.snap_states(cells),
+        "time": _time_codes(cells),
         **({"end": states.end_states(cells)} if "well" in cells else {}),
-        "outcome": cells.outcome,
-        "well": cells.get("well", xr.zeros_like(cells.outcome)),
+        # A run that ends at its snap settles in its first shape, or not.
+        "well": cells.get("well", cells.t_settled.notnull()),
         "t_snap": cells.t_snap,
         "t_settled": cells.t_settled,
         "share": cells.get("well_share", xr.ones_like(cells.t_snap)),
@@ -335,11 +388,14 @@ def _arrays(cells, thresholds):
         "t_snap_error": cells.get("t_snap_error", unknown),
         **{key: thresholds[key].transpose(*dims[:-1]) for key in EDGES},
     }
-    return {key: column.values for key, column in columns.items()}
+    # Times are as exact as they are told.
+    return {
+        key: column.values.astype(np.float32 if column.dtype.kind == "f" else np.uint8)
+        for key, column in columns.items()
+    }
 
 
-def _pack(values, number=None):
-    """Pack an array as text: codes in a byte each, numbers in four or as the type `number`."""
-    number = number or (np.float32 if values.dtype.kind == "f" else np.uint8)
-    packed = zlib.compress(np.ascontiguousarray(values, number).tobytes(), level=6)
-    return {"kind": number.__name__, "bytes": base64.b64encode(packed).decode()}
+def _pack(values):
+    """Pack an array as text."""
+    packed = zlib.compress(np.ascontiguousarray(values).tobytes(), level=3)
+    return {"kind": values.dtype.name, "bytes": base64.b64encode(packed).decode()}

@@ -1,63 +1,56 @@
-"""Data with which the page follows a shock itself: beams in five cosines, pulses, and steps."""
+"""Data with which the page follows a shock: beams in five cosines, their pulses, and time steps."""
 
 import numpy as np
 
-from ...beam.modal import contact_stiffness
+from ...solver.coefficients import coefficients
+from ...solver.kernel import rows as R
 from ...solver.models import build_model
 from ...solver.options import Cosines
-from ...solver.settings import MOVE, SECOND
-from ...solver.steps import FEWEST_STEPS, PER_SWING, STRIKE_TURN
-from ...study.axes import Grid
+from ...solver.settings import Run
+from ...study.axes import Grid, rows_of
 from ...study.study import Study
 
 COSINES = 5
 MOST_PIECES = 20_000
 """Most pieces of a pulse that the page follows; a longer record would double its size."""
-LIMITS = {"few": FEWEST_STEPS, "perSwing": PER_SWING, "turn": STRIKE_TURN}
-"""Limits of the time step, as `simulate.js` calls them."""
-NUMBERS = (
-    *("modes", "axial", "residual", "contact", "M", "K", "z0", "alpha", "toward", "away"),
-    *("restitution", "target", "barrier", "saddle", "first", "second", "gravity", "warmth"),
-    *("held", "longest", "shortest", "tightening", "ownTightening", "omega", "arch", "isBack"),
-)
-"""Numbers of a beam and its mass, as `simulate.js` calls them; vectors and a matrix follow."""
+OWN = ("modes", "first", "second", "gravity", "factor", "held")
+"""Numbers of a device before those of the kernel: C is `held` + `factor` times that of a shock."""
+KERNEL = ("AXIAL", "RESIDUAL", "CONTACT", "M", "K", "TARGET", "BARRIER", "SADDLE", "Z0", "ALPHA")
+KERNEL += ("STOP_TOWARD", "STOP_AWAY", "RESTITUTION", "SIDE")
+PLACES = {name: place for place, name in enumerate(OWN)}
+PLACES |= {name: len(OWN) + getattr(R, name) for name in KERNEL}
+PLACES["vectors"] = len(OWN) + R.SIDE + 1
+"""Place of each number, and of the first vector, in a row of `forms`."""
 
 
-def forms(grid: Grid, start: str) -> np.ndarray:
-    """Tabulate the coefficients of the devices of a grid, (devices, coefficients).
+def forms(grid: Grid, start: str) -> tuple[np.ndarray, np.ndarray]:
+    """Tabulate the devices of a grid, and the time step of each of its points, us; start: of `Run`.
 
-    A row holds NUMBERS, then kappa, S q0, f, e, the modes at the start, and S, in the names of
-    docs/theory.md, then zeros.
+    The rows of the table, (devices, n), are OWN and then `coefficients`, and end in
+    zeros if other devices have more modes. Steps are those of a history, NaN without a device.
     """
     model = build_model(grid.device, Cosines(modes=COSINES))
-    table = np.zeros((len(grid.device), 0))
+    cells = rows_of(grid).cells(grid.device, grid.axes["N"], horizon=0.0).flat()
+    table, steps = np.zeros((len(grid.device), 0)), np.full(cells.device.size, np.nan)
+    exists = np.flatnonzero(cells.device >= 0)
     for members, part in model.split(np.arange(len(grid.device))):
         rows = _rows(part, start)[members]
         more = max(0, rows.shape[1] - table.shape[1])
         table = np.pad(table, ((0, 0), (0, more)))
         table[members, : rows.shape[1]] = rows
-    return table
+        mine = exists[members[cells.device[exists]]]
+        steps[mine] = part.time_steps(cells.take(mine), Run(start=start).but(until="moved"))
+    return table, steps.reshape(grid.shape)
 
 
 def _rows(model, start):
-    device, modal, barrier, steps = model.device, model.modal, model.barrier, model.steps
-    n, k = len(device), model.modes
-    omega = np.where(device.is_alone, np.inf, device.mass_frequency)
-    numbers = (
-        *(k, modal.axial, modal.residual, contact_stiffness(device, modal.residual)),
-        *(device.mass, device.spring, device.gap, device.beam.damping),
-        *(device.stop_toward, device.stop_away, device.restitution),
-        *(model.snap_target(start), barrier.energy, barrier.midpoint),
-        *(barrier.first, barrier.second, device.gravity),
-        # Without a mass, a damper of 1 keeps the equation of y solvable.
-        *(np.where(device.is_alone, 0.0, device.damper_factor), device.is_alone),
-        *(steps.longest[MOVE], steps.shortest),
-        np.where(device.has_stops | (start == SECOND), steps.tightening, 0.0),
-        *(steps.own_tightening, omega, steps.arch, start == SECOND),
-    )
-    columns = [np.broadcast_to(number, n)[:, np.newaxis] for number in numbers]
-    vectors = modal.stiffness, *modal[2:5], model.rest(start), modal.geometric
-    return np.hstack([*columns, *(np.reshape(vector, (n, -1)) for vector in vectors)])
+    device, barrier = model.device, model.barrier
+    # Without a mass, a damper of 1 keeps the equation of y solvable.
+    factor = np.where(device.is_alone, 0.0, device.damper_factor)
+    own = model.modes, barrier.first, barrier.second, device.gravity, factor, device.is_alone
+    columns = [np.broadcast_to(number, len(device)) for number in own]
+    known = coefficients(model, model.snap_target(start), start)
+    return np.hstack([np.stack(columns, axis=1), known])
 
 
 def pulses(study: Study) -> list[dict]:
@@ -68,10 +61,6 @@ def pulses(study: Study) -> list[dict]:
             "direction": shocks.direction,
             "pieces": pulse.pieces if len(pulse.pieces) <= MOST_PIECES else None,
             "ends": pulse.ends,
-            "swings": pulse.swings,
-            "strikes": pulse.strikes,
-            "grossArea": pulse.gross_area,
-            "variation": pulse.variation,
         }
         for shocks, pulse in zip(study.shocks.each(), study.shocks.pulses, strict=True)
     ]

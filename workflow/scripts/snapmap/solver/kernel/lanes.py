@@ -6,10 +6,11 @@ import numpy as np
 
 from ...numerics.kernels import compiled, inlined, sine, widen_vectors
 from . import rows as R
+from .access import numbers, vectors
 from .laws import CONTACT, FORCE, LaneLaws, begin_laws, drives
 from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
 from .quiet import blocks_left, jump
-from .rows import LANES, Rows, Shape, numbers, vectors
+from .rows import LANES, Rows, Shape
 from .step import advance
 
 Parts = tuple[float, float, float, float]
@@ -43,7 +44,7 @@ class Facts(NamedTuple):
 class Task(NamedTuple):
     """Cells to follow, when to stop, and room for their facts.
 
-    devices: (devices, coefficients), as `simd_loop.coefficients` returns them
+    devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
     stop_at_snap, stop_after_pulse: whether a run ends there too
@@ -82,7 +83,7 @@ def load(
 
     The scheme gives a mode the inertia G = g + kappa dt^2/4, with g = (x/2 cot x/2)^2 and x = omega
     dt, at most EXACT; so its coordinate is stretched by 1/s = sqrt(G).
-    laws: `LaneLaws` or None; device: row of `simd_loop.coefficients`
+    laws: `LaneLaws` or None; device: row of `coefficients`
     damping: C, uN us/um; amplitude: um/us^2; dt: us
     """
     work[l::LANES] = 0.0

@@ -12,7 +12,8 @@ from numba.extending import intrinsic
 
 from ...numerics.kernels import compiled, fma, inlined, widen_vectors
 from . import rows as R
-from .rows import LANES, Rows, numbers
+from .access import numbers
+from .rows import LANES, Rows
 from .tables import CELLS, FINE
 
 CONTACT, FORCE = range(2)

@@ -8,7 +8,8 @@ from numba.extending import register_jitable
 from ...numerics import pieces as curve
 from ...numerics.kernels import compiled, fma, sine, widen_vectors
 from . import rows as R
-from .rows import LANES, numbers
+from .access import numbers
+from .rows import LANES
 
 Pulses = tuple[np.ndarray, np.ndarray, np.ndarray]
 BLOCK = 128

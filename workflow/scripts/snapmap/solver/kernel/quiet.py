@@ -15,8 +15,9 @@ import numpy as np
 from ...numerics import pieces as curve
 from ...numerics.kernels import compiled, inlined
 from . import rows as R
+from .access import numbers, vectors
 from .pulse import BLOCK, Pulses, PulseState
-from .rows import Rows, Shape, numbers, vectors
+from .rows import Rows, Shape
 
 # ASSUME: at the next blow a ring does no more than its energy can: sqrt(H) grows by sqrt(m/2) times
 # the integral of |a| (`solver.bounds`), so a ring of the share s of the energy that a snap needs is

@@ -6,10 +6,6 @@ one as R: X[R.Y, l] is y of lane l, V[R.P, i, l] is component i of p, and V[R.S 
 """
 
 import numpy as np
-from numba import carray, int64, types
-from numba.extending import intrinsic
-
-from ...numerics.kernels import inlined
 
 LANES = 16
 Rows = np.ndarray
@@ -37,34 +33,3 @@ W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(99
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
 VECTORS = 108
 P, D, U, D_FREE, KAPPA, SQ0, F, E, S = range(9)
-
-
-@intrinsic
-def address(context, array, first):
-    """Return the address of element `first` of a flat array."""
-
-    def build(context, builder, signature, arguments):
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        return builder.gep(data, [arguments[1]])
-
-    return types.CPointer(types.float64)(array, int64), build
-
-
-@inlined
-def numbers(work: np.ndarray) -> Rows:
-    """Return X, the rows of single numbers.
-
-    The compiler vectorises over lanes only because it knows the sizes of X and V, and thus that no
-    two rows overlap.
-    """
-    return carray(address(work, 0), (VECTORS, LANES))
-
-
-@inlined
-def vectors(work: np.ndarray, modes: int) -> Rows:
-    """Return V, the rows of vectors.
-
-    Functions that loop over modes get their number as an argument: from the shape of V the compiler
-    learns it too late to unroll.
-    """
-    return carray(address(work, VECTORS * LANES), (S + modes, modes, LANES))

@@ -10,8 +10,9 @@ from numba.extending import overload
 
 from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
 from . import rows as R
+from .access import numbers, vectors
 from .laws import LaneLaws, damp, dissipate, hold_by_law, touch_by_law
-from .rows import LANES, Rows, Shape, numbers, vectors
+from .rows import LANES, Rows, Shape
 
 Sums = tuple[float, ...]
 

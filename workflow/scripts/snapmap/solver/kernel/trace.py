@@ -4,10 +4,11 @@ import numpy as np
 
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
+from .access import numbers, vectors
 from .lanes import half_step_midpoint, load
 from .laws import LaneLaws
 from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
-from .rows import LANES, Rows, Shape, numbers, vectors
+from .rows import LANES, Rows, Shape
 from .step import advance, rebound
 
 
