@@ -34,7 +34,7 @@ def test_every_equation_of_the_theory_has_a_test_that_names_it(root):
 CORE = "numerics", "files", "values", "device", "pulse", "beam", "solver", "study", "thresholds"
 CORE += ("sweeps",)
 SHELL = ("config", "figures", "workflow", "public")
-LISTING = ("config", "public", "workflow")
+LISTING = ("public", "workflow")
 """Who reads the list of applications, which holds names alone."""
 MOST_LINES = {"core": 13_590, "shell": 4_220, "application": 1_025}
 

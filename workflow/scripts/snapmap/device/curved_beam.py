@@ -11,9 +11,8 @@ from typing import Annotated
 import numpy as np
 
 from ..values import quantities
-from ..values.arguments import Reading
 from ..values.fields import hints
-from ..values.kinds import Kind, Number, kind_of
+from ..values.kinds import Fitting, Number, kind_of
 from ..values.records import record
 from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
@@ -26,29 +25,21 @@ FLAT = 1e-8
 """Rise of a straight beam over its buckled rise: it makes one of two equal shapes the first."""
 
 
-class FreeKind(Kind):
-    """True or false, or a batch of these, held as floats 1 and 0."""
-
-    need, type = "True or False", bool
-    asks = "true or false"
-
-    def convert(self, value: object, reading: Reading) -> Number:
-        """Convert true or false, or 1 and 0, to floats."""
-        array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
-        if array is None or not np.isin(array, (0, 1)).all():
-            raise self.refuse(value, reading)
-        return array.astype(float) if array.ndim else float(array)
-
-    def write(self, value: float) -> bool:
-        """Write true or false."""
-        return bool(value)
-
-    def schema(self) -> dict:
-        """Describe true or false."""
-        return {"type": "boolean"}
+def _floats(value):
+    """Convert true or false, or 1 and 0, to floats; None for others."""
+    array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
+    if array is None or not np.isin(array, (0, 1)).all():
+        return None
+    return array.astype(float) if array.ndim else float(array)
 
 
-Free = Annotated[bool, FreeKind()]
+def _is_flag(value):
+    return _floats(value) is not None
+
+
+_FLAG = Fitting("True or False", _is_flag, _floats, "true or false", {"type": "boolean"})
+Free = Annotated[bool, _FLAG]
+"""True or false, or a batch of these, held as floats 1 and 0."""
 
 
 @record
@@ -81,7 +72,7 @@ class Beam:
     """axial stress before the beam bends; tension is positive"""
     imperfection: quantities.Distance = 0.0
     """amplitude of the first antisymmetric shape as made; a free beam needs one above 0"""
-    free: Free = 0.0
+    free: Free = False
     """whether the beam can tilt; a guided beam cannot"""
     clamp_axial: quantities.Clamp = math.inf
     """stiffness of each clamp along the beam; rigid if left out"""

@@ -7,7 +7,7 @@ and an editor of YAML completes by the schema. A type of Python without a kind o
 `list[Blow]` or `Literal["auto"]`, has one by `kind_of`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
@@ -314,10 +314,7 @@ class Items(Kind):
     of: Kind
     type = list
 
-    @property
-    def records(self) -> Sequence:
-        """Records of which each item is one."""
-        return self.of.records
+    records = property(lambda self: self.of.records)
 
     @property
     def need(self) -> str:
@@ -357,10 +354,7 @@ class ByName(Kind):
     need: str = "a mapping"
     type = dict
 
-    @property
-    def records(self) -> Sequence:
-        """Records of which each value is one."""
-        return self.of.records
+    records = property(lambda self: self.of.records)
 
     def convert(self, value: object, reading: Reading) -> dict:
         """Convert the values; raises Faults, a line for each wrong one."""
