@@ -60,9 +60,9 @@ are in the study's folder. Axes and tolerances vary `C` and `damping`, not a `qu
 
 ## Limits
 
-A study has at most {cells:,} cells, {dampings} values of C (each is a job) and {hours:g} core
-hours, should every cell run to the horizon. snapmap runs no code from a config, but Snakemake does
-if the config contains `__use_yte__: true`: look for this key in a config from others.
+A study has at most {cells:,} cells and {hours:g} core hours, should every cell run to the horizon.
+snapmap runs no code from a config, but Snakemake does if the config
+contains `__use_yte__: true`: look for this key in a config from others.
 
 ## Values of the device as axes
 
@@ -90,7 +90,6 @@ def reference() -> str:
         most=MOST,
         sections="\n\n".join(_sections("all sections", [Document], set(), {})),
         cells=plan.MOST_CELLS,
-        dampings=plan.MOST_SINGLE,
         hours=plan.MOST_SECONDS / 3600,
         values=", ".join(f"`{key}`" for key in VALUES),
         two_axes=TWO_AXES,

@@ -1,5 +1,6 @@
 """The workflow, run in a copy of a process that has imported what takes long."""
 
+import atexit
 import os
 import subprocess
 import sys
@@ -42,7 +43,10 @@ def _run(command, said):
     sys.stdout = sys.stderr = open(said, "w", 1)  # noqa: SIM115, until the process ends
     for output in (1, 2):  # of jobs
         os.dup2(sys.stdout.fileno(), output)
-    main(command)
+    try:
+        main(command)
+    finally:
+        atexit._run_exitfuncs()  # as a process does that is not forked
 
 
 def wait_for(what, seconds=60):

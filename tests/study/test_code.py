@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from snapmap.study import provenance
 from snapmap.study.provenance import DRAWS, NUMBERS, code_hash
 
@@ -30,6 +32,24 @@ def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
     assert len(set(made)) == 3 and made[2] == made[3]
     (tmp_path / "a.py").rename(tmp_path / "c.py")
     assert code_hash(tmp_path) not in made
+
+
+@pytest.mark.parametrize("changed", ["numpy", "numba", "scipy", "matplotlib", "plotly", "python"])
+def test_other_packages_are_other_code(changed, monkeypatch):
+    def hashes():
+        provenance._packages.cache_clear()
+        made = (provenance.hash_numbers, provenance.hash_drawing)
+        return [[*hash_with(__file__).values()] for hash_with in made]
+
+    before, found = hashes(), provenance.version
+    if changed == "python":
+        monkeypatch.setattr("platform.python_version", lambda: "3.99.0")
+    monkeypatch.setattr(
+        provenance, "version", lambda name: "99" if name == changed else found(name)
+    )
+    numbers, drawing = (now != then for now, then in zip(hashes(), before, strict=True))
+    provenance._packages.cache_clear()
+    assert numbers != drawing and drawing == (changed in ("matplotlib", "plotly"))
 
 
 def test_another_users_clone_keeps_its_commit(root, monkeypatch):

@@ -1,6 +1,7 @@
 """A grid that grows: what is known is kept, and the cut leaves no trace in the results."""
 
 import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -126,6 +127,57 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 
+def test_slabs_have_as_many_C_as_their_jobs_have_time_for(tmp_path, followed, monkeypatch):
+    """A new C falls into a slab of several, of which it alone is followed."""
+    small = {"f0": [500.0, 2000.0], "N": [700.0, 900.0, 1200.0]}
+    C = np.geomspace(1, 200, 40)
+    part, whole = study(**small, C=np.delete(C, 7)), study(**small, C=C)
+    few = make_plan(whole).seconds / 8
+    for name, most in {"FEW_SECONDS": few, "JOB_SECONDS": 10 * few, "SLAB_CELLS": 10_000}.items():
+        monkeypatch.setattr(f"snapmap.workflow.plan.{name}", most)
+    write_all(part, tmp_path)
+    assert 8 <= len(cut(whole)) <= 20
+    followed.clear()
+    paths, _ = write_all(whole, tmp_path)
+    assert sum(followed) == 2 * 3
+    in_one = snapmap.sweep(part, **whole.axes)
+    assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
+
+
+NAMED = """
+devices:
+  {names}
+pulse: {{shape: [half sine, sawtooth, versed sine], direction: both}}
+model: {{name: cosines, modes: 3}}
+sweep: {{N: [700, 900, 1100, 2000], f0: [1 kHz, 2 kHz], C: [25 uN*us/um, 50 uN*us/um]}}
+run: {{horizon: 200 us, until: snap}}
+"""
+
+
+@pytest.mark.parametrize("share", [0.1, 0.4, 2.0])
+def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, monkeypatch, share):
+    """A named device that is new, or that has another value, is followed alone."""
+
+    def named(**thickness):
+        device = yaml.safe_load(THREE_COSINES)["device"]
+        named = {
+            name: device | {"beam": device["beam"] | {"thickness": f"{value} um"}}
+            for name, value in thickness.items()
+        }
+        return load_config(yaml.safe_load(NAMED.format(names="{}")) | {"devices": named})
+
+    thin, thick = named(zinc=1.9, tin=2.0, tin2=2.1), named(gold=2.05, zinc=1.8, tin=2.0, tin2=2.1)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 10.0)
+    monkeypatch.setattr("snapmap.workflow.plan.FEW_SECONDS", make_plan(thin).seconds * share)
+    write_all(thin, tmp_path)
+    followed.clear()
+    paths, _ = write_all(thick, tmp_path)
+    assert sum(followed) == 2 * math.prod(thick.grid.shape[1:])
+    assert len(paths) == 1 or share < 1
+    in_one = snapmap.sweep(thick, **{key: thick.axes[key] for key in ("N", "f0", "C")})
+    assert_same_cube(collect_slabs(paths, thick.axes, {}), in_one)
+
+
 OLD = ((1,), (2, 3), (4, 5), (6, 7), (8,))
 ADDED = (
     *((0, ((0, 1), *OLD[1:])), (0.5, ((0.5, 1), *OLD[1:]))),
@@ -141,14 +193,14 @@ def test_an_added_value_extends_or_splits_only_the_slab_in_which_it_falls(
 ):
     """Slabs of two cells at most, cut between octaves and their halves."""
     monkeypatch.setattr("snapmap.workflow.plan.SLAB_CELLS", 2)
-    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", np.inf)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 1e6)  # of two cells
     values = [*range(1, 9)]
     assert tuple(slab["N"] for slab in cut(study(values, [1000.0]))) == OLD
     assert tuple(slab["N"] for slab in cut(study([*values, value], [1000.0]))) == slabs
 
 
 def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeypatch):
-    """Or else for its time; and with 1000 values of C, each of which makes a slab."""
+    """Or else for its time."""
     monkeypatch.setattr("snapmap.workflow.plan.MOST_SECONDS", 0.0)
     most = {"N": np.arange(1e6), "f0": np.arange(1e3, 1.1e4, 1e3), "C": np.arange(1e3)}
     one = study([1], [1000])

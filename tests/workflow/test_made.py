@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from snapmap.workflow.made import HEAD, LIST, list_made, remove_others
+from snapmap.workflow.made import HEAD, LIST, begin_list, list_made, remove_others
 
 
 @pytest.fixture(autouse=True)
@@ -18,7 +18,8 @@ def results(tmp_path, monkeypatch):
 def make(*names):
     for name in names:
         Path(name).write_text("made")
-    list_made(dict.fromkeys(names, "abc"))
+    begin_list()
+    list_made(names, "abc")
 
 
 def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):

@@ -21,7 +21,7 @@ from snapmap.applications import attached, gather, window
 from snapmap.applications.whole import load_config
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
-from snapmap.study.provenance import NUMBERS, code_hash
+from snapmap.study.provenance import hash_numbers
 from snapmap.workflow.made import HEAD, LIST, hash_of, list_made
 from snapmap.workflow.products import choose_views
 
@@ -354,8 +354,8 @@ def test_studies_are_targets_of_their_own(clone, finished):
     assert planned_rules(output).keys() == {"accuracy", "stability"}
 
 
-CORE = {"simulate_slab", "collect", "find_threshold", "draw_study", "all"}
-"""Rules that are not in the table of applications.smk, or make more than applications do."""
+CORE = {"simulate_all", "simulate_slab", "collect", "find_threshold", "draw_study", "all"}
+"""Rules that are not in the table of architecture.md, or make more than applications do."""
 
 
 def test_the_rules_of_applications_are_those_of_their_table(clone, tmp_path):
@@ -365,8 +365,8 @@ def test_the_rules_of_applications_are_those_of_their_table(clone, tmp_path):
     (tmp_path / "shots.csv").write_text(SHOTS)
     _, said = snakemake(clone, tmp_path, config, "--dry-run")
     jobs = dict(re.findall(r"Job \d+: (.*)\n *Reason: Missing output files: (.*)\n", said))
-    table = (clone / "workflow" / "rules" / "applications.smk").read_text(encoding="utf-8")
-    rows = re.findall(r"^# (\w+) +(\w+) +(\S+(?:, \S+)*) +(\S+)$", table, re.M)
+    page = (clone / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\w+) \| (\w+) \| (.+) \| (\S+) \|$", page, re.M)
     planned = {*planned_rules(said)}
     assert planned - CORE == {job for _, job, *_ in rows} - CORE
     for folder, job, *_ in rows:
@@ -408,9 +408,9 @@ def test_a_dry_run_of_a_grown_grid_counts_the_new_cells(root, clone, copied, mon
     path.parent.mkdir(exist_ok=True)
     path.write_text("a slab")
     assert counted(large)[0] == [cells, 0, cells], "it is on no list"
-    numbers = code_hash(*(clone / path.relative_to(root) for path in NUMBERS), clone / JOBS)
+    (numbers,) = hash_numbers(clone / JOBS).values()
     monkeypatch.chdir(folder)
-    list_made({f"results/slabs/{name}.nc": hash_of(numbers, name)})
+    list_made([f"results/slabs/{name}.nc"], hash_of(numbers, name))
     cells, there, new = counted(large)[0]
     assert 0 < there < cells == there + new
 

@@ -4,16 +4,17 @@ import io
 import logging
 import os
 import re
+import signal
 import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
 
-from snakemake.common import NOTHING_TO_BE_DONE_MSG
+import pytest
 
 from snapmap.files.counting import count, counting
 from snapmap.workflow.job_log import count_path
-from snapmap.workflow.progress import NOTHING, STOPPED, STOPPING, Hook, Progress, hush
+from snapmap.workflow.progress import STOPPED, Progress
 
 
 def record(event=None, level=logging.INFO, **facts):
@@ -37,12 +38,10 @@ RECORDS = (
 def said_on(stream, monkeypatch):
     """What is said of two slabs that begin, of which one ends, and of a threshold that begins."""
     monkeypatch.setattr(sys, "stderr", stream)
-    ended = []
-    with closing(Progress({"a": 30, "b": 90}, ended.append)) as progress:
+    with closing(Progress({"a": 30, "b": 90})) as progress:
         progress.begin()
         for each in RECORDS:
             progress.emit(each)
-        assert ended == [1]
         return stream.getvalue()
 
 
@@ -88,28 +87,22 @@ def test_a_job_that_counts_leaves_no_semaphore_behind():
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_where_nothing_is_to_be_run_a_function_is_called():
-    called = []
-    idle = Hook(NOTHING, lambda: called.append(1))
-    idle.emit(record())
-    assert not called
-    idle.emit(record(msg=NOTHING_TO_BE_DONE_MSG))
-    assert called == [1]
-
-
 def test_faults_are_not_hushed():
-    handler = logging.StreamHandler(io.StringIO())
-    hush(handler)
-    assert not any(handler.filter(record(event)) for event in ("job_info", "progress", None))
-    assert handler.filter(record("job_error", logging.ERROR))
+    is_shown = Progress({}).is_shown
+    assert not any(is_shown(record(event)) for event in ("job_info", "progress", None))
+    assert is_shown(record("job_error", logging.ERROR))
     wrapped = 'RuleException:\nCalledProcessError in file "sweep.smk", line 43:\nCommand'
-    assert not handler.filter(record("error", logging.ERROR, msg=wrapped))
+    assert not is_shown(record("error", logging.ERROR, msg=wrapped))
 
 
-def test_a_run_that_is_stopped_twice_says_so_once_and_nothing_more(capsys):
-    handler = logging.StreamHandler(io.StringIO())
-    hush(handler)
-    for _ in range(2):
-        assert not handler.filter(record(level=logging.WARNING, msg=f"{STOPPING}."))
-        assert not handler.filter(record("job_error", logging.ERROR))
+def test_a_run_that_is_stopped_says_so_once_and_nothing_more(capsys, monkeypatch):
+    monkeypatch.setattr("snapmap.workflow.progress._end_jobs", lambda: None)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with closing(Progress({})) as progress:
+        progress.begin()
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)  # a second one is not heard
+        assert not progress.is_shown(record("job_error", logging.ERROR))
+    signal.signal(signal.SIGINT, before)
     assert capsys.readouterr().err == f"{STOPPED}\n"

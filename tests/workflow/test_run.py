@@ -32,6 +32,7 @@ case "$1 $2" in
 "-c "*)
     shift
     exec '{sys.executable}' -c "import sys; $(cat "$fakes/change"); exec(sys.argv.pop(1))" "$@" ;;
+"-ISc "*) [ ! -f "$fakes/broken" ] ;;
 *) exec '{sys.executable}' "$@" ;;
 esac
 """
@@ -89,7 +90,7 @@ def clone(tmp_path):
 
 def assert_in_cache(done, tmp_path):
     """A venv that cannot lie in the clone lies in the user's cache, and that is said."""
-    assert done.stdout.startswith(f"{tmp_path}/home/.cache/snapmap/venv-")
+    assert done.stdout == f"{tmp_path}/home/.cache/snapmap/venv\n"
     assert done.stdout.strip() in done.stderr
 
 
@@ -103,8 +104,9 @@ def test_run_passes_on_folder_arguments_input_output_path_and_status(clone, tmp_
     script = "import os, sys; print(os.getcwd(), sys.argv[1:]); sys.exit(7)"
     done = clone.run("python", "-c", script, *words, cwd=elsewhere)
     assert (done.returncode, done.stdout) == (7, f"{elsewhere} {words}\n")
-    clone.environment["PYTHONPATH"] = str(tmp_path)
-    assert f"'{tmp_path}'" in clone.run("python", "-c", "import sys; print(sys.path)").stdout
+    clone.environment |= {"PYTHONPATH": str(tmp_path), "PYTHONHOME": str(tmp_path)}
+    said = clone.run("printenv", "PYTHONPATH", "PYTHONHOME").stdout
+    assert said == f"{clone.folder}/workflow/scripts\n"
     out = subprocess.check_output([link, "printenv", "VIRTUAL_ENV"], env=clone.environment)
     assert out.decode() == f"{clone.folder}/.venv\n"
 
@@ -136,23 +138,58 @@ def test_a_linked_venv_is_used_if_whole_and_never_cleared(clone, tmp_path):
     venv, clone.folder = clone.folder / ".venv", tmp_path / "other"
     shutil.copytree(venv.parent, clone.folder, ignore=shutil.ignore_patterns(".venv"))
     (clone.folder / ".venv").symlink_to(venv)
-    assert clone.run("true").returncode == 0
+    assert clone.run("true").stderr == ""
     (clone.folder / LOCK).write_text("# another\n")
-    done = clone.run("true")
-    assert done.returncode == 1 and "is a link" in done.stderr
-    assert len(clone.venvs_made()) == 1
+    said = clone.run("printenv", "VIRTUAL_ENV").stdout
+    assert re.fullmatch(rf"{clone.folder}/\.venv-\d+\n", said) and (venv / "stamp").exists()
 
 
-def test_run_installs_once_and_again_after_the_lock_or_the_path_changes(clone, tmp_path):
+def test_run_installs_once_and_beside_after_lock_path_or_python_change(clone, tmp_path):
+    """Jobs may run in what was there."""
     (line,) = clone.run("true").stderr.splitlines()
     assert clone.run("true").stderr == ""
     venv, moved = str(clone.folder / ".venv"), tmp_path / "moved"
     assert venv in line and clone.venvs_made() == [venv]
     (clone.folder / LOCK).write_text("# another\n")
-    clone.run("true")
+    _, line = clone.run("true").stderr.splitlines()
+    assert line == f"run: {venv} is not of this lock and folder; remove it if nothing runs in it"
     clone.folder = clone.folder.rename(moved)
     clone.run("true")
-    assert clone.venvs_made() == [venv, venv, str(moved / ".venv")]
+    (clone.fakes / "broken").touch()
+    clone.run("true")
+    (clone.fakes / "broken").unlink()
+    made = clone.venvs_made()
+    assert [name.rpartition("-")[0] for name in made[1:]] == [venv, *[f"{moved}/.venv"] * 2]
+    assert len({*made}) == len(made) == len([*moved.glob(".venv*/stamp")])
+    assert clone.run("printenv", "VIRTUAL_ENV").stdout.strip() in made[2:]
+
+
+def test_what_anything_writes_installs_nothing_anew(clone):
+    clone.run("true")
+    for name in ("python3", "../clone/.venv/bin/python"):
+        text = (clone.fakes / name).read_text()
+        clone.fake(name, text.replace("\n", "\necho noise; echo noise >&2\n", 1))
+    clone.environment["LD_PRELOAD"] = "/nonexistent.so"
+    assert "installing" not in clone.run("true").stderr
+    del clone.environment["LD_PRELOAD"]
+    assert clone.run("true").stderr == "noise\n" and len(clone.venvs_made()) == 1
+
+
+def test_where_no_path_is_plain_one_line_says_so_before_an_install(tmp_path):
+    """Nor is there a cache folder where HOME is unset; a plain clone needs none."""
+    clone = Clone(tmp_path / "jane doe" / "clone", tmp_path)
+    for home in ({"HOME": f"{tmp_path}/jane doe"}, {}):
+        clone.environment = {"PATH": clone.environment["PATH"], **home}
+        done = clone.run("true")
+        (line,) = done.stderr.splitlines()
+        assert done.returncode == 1 and "set XDG_CACHE_HOME to a folder whose path has no" in line
+    assert not (clone.fakes / "venvs").exists()
+    clone.environment["XDG_CACHE_HOME"] = str(tmp_path / "cache")
+    said = clone.run("printenv", "VIRTUAL_ENV").stdout
+    assert said == f"{tmp_path}/cache/snapmap/venv\n"
+    clone.folder = clone.folder.rename(tmp_path / "plain")
+    del clone.environment["XDG_CACHE_HOME"]
+    assert clone.run("printenv", "VIRTUAL_ENV").stdout == f"{tmp_path}/plain/.venv\n"
 
 
 @pytest.mark.parametrize("name", ["R&D", "it's (1)"])
@@ -170,15 +207,12 @@ def test_a_read_only_clone_is_left_alone(clone, tmp_path):
     assert_in_cache(done, tmp_path)
 
 
-DISTURBED = """printf '#!/bin/sh\necho 1 >"%s/installs"\n' "$venv" >"$venv/bin/uv" """
-
-
-@pytest.mark.parametrize("fault", ["exit 1", DISTURBED])
-def test_a_failed_install_is_reported_and_begun_again(clone, fault):
-    clone.fault(fault)
+def test_a_failed_install_is_reported_and_begun_again(clone):
+    clone.fault("exit 1")
     failed = clone.run("echo", "reached")
     assert failed.returncode != 0 and failed.stdout == ""
     assert "the install failed" in failed.stderr.splitlines()[-1]
+    assert not (clone.folder / ".venv").exists()
     clone.fault("")
     assert clone.run("echo", "reached").stdout == "reached\n"
 

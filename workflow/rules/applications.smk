@@ -1,37 +1,5 @@
-# What applications make, if the study asks for it: the folder of each, its job, what this reads and
-# makes in results/. The rules take their values from the `__init__.py` of the folder.
-#
-# statics       find_threshold      -                                        statics.nc
-# histories     simulate_histories  -                                        histories/*.nc
-# requirements  check_requirements  -                                        requirements.csv
-# window        find_window         -                                        window.nc
-# tolerances    find_tolerance      -                                        tolerance.nc
-# calibration   fit_calibration     -                                        calibration.nc
-# datasheet     write_datasheet     requirements.csv, tolerance.nc           datasheet.md
-# laws          find_laws           threshold.nc                             laws.nc
-# stress        find_stress         cube.nc                                  stress.nc
-# statics       draw_study          statics.nc                               figures/statics.*
-# boundary      draw_study          threshold.nc                             figures/damage_boundary*
-# histories     draw_histories      histories/*.nc                           figures/history_*
-# requirements  draw_requirements   requirements.csv                         figures/requirements.*
-# window        draw_window         window.nc                                figures/window.*
-# tolerances    draw_tolerances     tolerance.nc                             figures/probability*
-# tolerances    draw_tolerances     tolerance.nc                             figures/sensitivity*
-# tolerances    draw_tolerances     tolerance.nc                             figures/yield*
-# calibration   draw_calibration    calibration.nc                           figures/calibration.*
-# laws          draw_laws           laws.nc                                  figures/laws.*
-# page          draw_page           cube.nc, threshold.nc, requirements.csv  explore.html
-
-# A job reads the config itself. Its params are plain values on which its output depends: Snakemake
-# runs the job again when they change.
-in_search = study.inputs(*OF_THRESHOLDS)
-axes = {key: values.tolist() for key, values in study.axes.items()}
-making = gather(lambda part: part.outputs(study))
-drawing_of = gather(lambda part: part.drawn(study))
-quick = {name: files for name, files in making.items() if attached()[name].quick}
-slow = [name for name in making if name not in quick]
-made_quickly = [path for files in quick.values() for path in listed(files)]
-
+# What applications make, if the study asks for it; docs/architecture.md has a table. The rules take their
+# values from the `__init__.py` of each folder.
 
 for name in slow:
     application = attached()[name]
@@ -59,7 +27,10 @@ for name in slow:
             "../scripts/jobs.py"
 
 
-drawn_together = [name for name in drawing_of if is_drawn_with_the_study(name)]
+# Drawn in the job of the study are those that need no more files.
+at_hand = {"results/cube.nc", "results/threshold.nc", *made_quickly}
+read = {name: listed(attached()[name].drawn_from(study)) for name in drawing_of}
+drawn_together = [name for name in drawing_of if at_hand.issuperset(read[name])]
 
 
 for place, name in enumerate(name for name in drawing_of if name not in drawn_together):
@@ -85,9 +56,3 @@ for place, name in enumerate(name for name in drawing_of if name not in drawn_to
             f"Draw the {name}"
         script:
             "../scripts/draw.py"
-
-
-results = ["results/cube.nc"]
-results += [path for name in drawing_of for path in map(str, figures_of(name))]
-results += [path for files in making.values() for path in listed(files)]
-SUMMARIZED += [attached()[name].rule for name in slow]

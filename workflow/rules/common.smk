@@ -1,8 +1,5 @@
 def half(wildcards):
-    """Give half of the cores, so that other jobs go on beside one that could use them all.
-
-    On a cluster it is half of the cores that a job may have: `cores` in profiles/slurm.
-    """
+    """Give half of the cores of this machine, or of `cores` in profiles/slurm, as others go on."""
     return max(1, cores // 2)
 
 
@@ -10,64 +7,32 @@ def memory(megabytes):
     return lambda wildcards, attempt: attempt * megabytes
 
 
-def list_products(jobid):
-    """List the products of a job, but of no study."""
-    if jobs[jobid].rule.name not in STUDIES:
-        paths = map(str, jobs[jobid].output)
-        list_made({path: made_from[path] for path in paths})
-
-
-def list_finished():
-    """List the products of all jobs that ran: with --quiet, none is announced as it ends."""
-    for jobid, job in jobs.items():
-        if workflow.dag.needrun(job) and workflow.dag.finished(job):
-            list_products(jobid)
-
-
 def remove_old_products():
     """Remove products of older configs; only a run of all results can tell which these are."""
     products = {str(path) for job in workflow.dag.jobs for path in job.output}
     if products.issuperset(results):
-        for line in remove_others(products):
-            print(line, file=sys.stderr)
+        for line in made.remove_others(products):
+            tell(line)
 
 
-def find_missing_cells():
-    """Find the slabs that are not there or are made again; returns their cells by their names."""
-    running = list(filter(workflow.dag.needrun, workflow.dag.jobs))
-    again = {job.wildcards.slab for job in running if job.rule.name == CELLS}
-    if any(job.rule.name == ALL_CELLS for job in running):
-        again = {*names}
-    again |= new | {name for name in names if cells_are_in.format(name) in others}
-    return {name: cells_in(slabs[name]) for name in names if name in again}
-
-
-def say_cells():
-    """Print how many cells there are, and how many of them are new."""
-    missing, cells = sum(find_missing_cells().values()), sum(map(cells_in, plan.slabs))
-    print(
-        f"{cells} cells: {cells - missing} are there already, {missing} are new",
-        file=sys.stderr,
-    )
-
-
-def tidy_when_idle():
-    with suppress(OSError):  # another run is at work, or it is another user's folder
-        if not workflow.dryrun:
+def finish(folder):
+    """End a dry run with the number of new cells, and one that ran no job without old products."""
+    if workflow.scheduler is None:  # a report or another question
+        return
+    os.chdir(folder)  # which --directory names for as long as Snakemake is at work
+    if workflow.dryrun:
+        cells, new = sum(map(cells_in, plan.slabs)), sum(new_cells.values())
+        tell(f"{cells} cells: {cells - new} are there already, {new} are new")
+    elif not any(map(workflow.dag.needrun, workflow.dag.jobs)):
+        # Another run may be at work, or it is another user's folder.
+        with suppress(OSError):
             hold(".snakemake/running")
             remove_old_products()
 
 
 def kept(outputs):
     """Let outputs by name stay until a job replaces them; Snakemake would remove them before it."""
-    return {
-        name: (
-            update(files)
-            if isinstance(files, str)
-            else [update(path) for path in files]
-        )
-        for name, files in outputs.items()
-    }
+    return {name: update(files) for name, files in outputs.items()}
 
 
 def constant(value):
@@ -99,9 +64,3 @@ def figures(caption):
     """List the files of the core's figures that share a caption."""
     about = f"../report/{caption}.rst", PARTS[caption]
     return [path for stem in views.stems[caption] for path in files_of(stem, *about)]
-
-
-def is_drawn_with_the_study(name):
-    """Tell whether all files behind an application's figures exist with cube and thresholds."""
-    paths = {*listed(attached()[name].drawn_from(study))}
-    return paths <= {"results/cube.nc", "results/threshold.nc", *made_quickly}

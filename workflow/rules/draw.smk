@@ -28,12 +28,9 @@ rule draw_study:
         views=constant(views._asdict()),
         applications=constant(
             {
-                name: (
-                    drawing_of[name],
-                    attached()[name].saved_in,
-                    attached()[name].drawn_from(study),
-                )
-                for name in drawn_together
+                name: (drawing_of[name], part.saved_in, part.drawn_from(study))
+                for name, part in attached().items()
+                if name in drawn_together
             }
         ),
         code=drawing,
@@ -41,6 +38,3 @@ rule draw_study:
         "Draw the study"
     script:
         "../scripts/draw.py"
-
-
-results += [path for caption in PARTS for path in map(str, figures(caption))]

@@ -1,4 +1,5 @@
 if is_small:
+    cells_are_in = ["results/cube.nc"]
 
     rule simulate_all:
         output:
@@ -20,10 +21,11 @@ if is_small:
             "../scripts/jobs.py"
 
 else:
+    cells_are_in = [f"results/slabs/{name}.nc" for name in slabs]
 
     rule simulate_slab:
         output:
-            slab="results/slabs/{slab}.nc",
+            slab="results/slabs/{slab,[0-9a-f_]+}.nc",
         log:
             "results/logs/simulate_slab_{slab}.log",
         priority: 100
@@ -36,6 +38,7 @@ else:
         params:
             code=numbers,
             axes=lambda wildcards: slabs[wildcards.slab],  # all else is in its name
+            made_from=lambda wildcards: made.hash_of(numbers, wildcards.slab),
         message:
             "Simulate the cells"
         script:
@@ -43,7 +46,7 @@ else:
 
     rule collect:
         input:
-            slab=[f"results/slabs/{name}.nc" for name in slabs],
+            slab=cells_are_in,
         output:
             cube="results/cube.nc",
         log:

@@ -1,3 +1,4 @@
+studied = provenance.code_hash(*provenance.NUMBERS, clone / "studies")
 STUDIES = {"accuracy": ["accuracy"], "stability": ["stability", "settled"]}
 
 for what, stems in STUDIES.items():
@@ -16,7 +17,7 @@ for what, stems in STUDIES.items():
         threads: 1000
         params:
             code=studied,
-            device=json.dumps(device_sections(nominal(study.device))),
+            device=json.dumps(provenance.device_sections(nominal(study.device))),
             python=sys.executable,
             path=os.pathsep.join([str(clone), str(scripts)]),
         message:

@@ -4,13 +4,15 @@ import gc
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, chdir, contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
 gc.set_threshold(200_000)  # of the many objects of imports and figures hardly any is garbage
 if __name__ == "__main__":
     sys.modules["dask"] = None  # no array is lazy, for which xarray would import it
+    with chdir("/"):  # the folder may have a matplotlibrc, of whoever made it
+        import matplotlib  # noqa: F401
 # ruff: noqa: E402
 
 import xarray as xr

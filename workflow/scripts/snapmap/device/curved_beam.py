@@ -37,7 +37,7 @@ def _is_flag(value):
     return _floats(value) is not None
 
 
-_FLAG = Fitting("True or False", _is_flag, _floats, "true or false", {"type": "boolean"})
+_FLAG = Fitting("True or False", _is_flag, _floats, "true or false", {"type": "boolean"}, bool)
 Free = Annotated[bool, _FLAG]
 """True or false, or a batch of these, held as floats 1 and 0."""
 
@@ -72,7 +72,7 @@ class Beam:
     """axial stress before the beam bends; tension is positive"""
     imperfection: quantities.Distance = 0.0
     """amplitude of the first antisymmetric shape as made; a free beam needs one above 0"""
-    free: Free = False
+    free: Free = 0.0
     """whether the beam can tilt; a guided beam cannot"""
     clamp_axial: quantities.Clamp = math.inf
     """stiffness of each clamp along the beam; rigid if left out"""

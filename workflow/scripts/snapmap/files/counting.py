@@ -1,5 +1,6 @@
 """A progress line: how many cells have been followed."""
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import RLock
@@ -21,7 +22,8 @@ def counting(what: str, **options) -> Iterator[None]:
     options: of `tqdm`, in place of the usual ones
     """
     try:
-        from tqdm.auto import tqdm  # imported late: a solver job needs none
+        with warnings.catch_warnings(action="ignore"):  # in a notebook without widgets
+            from tqdm.auto import tqdm  # imported late: a solver job needs none
     except ModuleNotFoundError:  # of the extra `workflow`
         yield
         return

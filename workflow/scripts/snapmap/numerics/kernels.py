@@ -8,20 +8,29 @@ another numba, and all clones share those of the same sources; each file there e
 import fcntl
 import hashlib
 import logging
+import os
 import time
 from collections.abc import Callable
-from contextlib import contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-import numba
 import numpy as np
+
+try:
+    with chdir("/"):  # a folder may have a .numba_config.yaml, of whoever made it
+        import numba
+except ValueError as fault:
+    names = ", ".join(f"{key}={os.environ[key]}" for key in os.environ if key.startswith("NUMBA_"))
+    raise ValueError(f"{names}: {fault}; unset it") from None
 from numba import float64, njit, types
 from numba.core import caching, config, event
 from numba.extending import intrinsic
 from numba.misc.appdirs import AppDirs
 
 from . import portable
+
+config._config_fname = ""  # which numba would look for again whenever it compiles
 
 logger = logging.getLogger("snapmap")
 VECTOR_BITS = 512

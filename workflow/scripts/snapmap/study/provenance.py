@@ -17,6 +17,8 @@ from ..values.records import told
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
 PACKAGES = ("numpy", "numba", "xarray", "netCDF4", "dask", "matplotlib", "snakemake")
+OF_NUMBERS, OF_DRAWING = ("numpy", "numba", "scipy"), ("matplotlib", "plotly")
+"""Packages named in each file; those of which numbers and figures are made again by others."""
 _PACKAGE = Path(__file__).parents[1]
 _CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
 
@@ -43,16 +45,20 @@ NUMBERS = [path for path in _FILES if not _draws(path)]
 
 def provenance(document: Mapping) -> dict[str, str]:
     """Give the attributes of every product: its config, and the versions of code and packages."""
-    code = code_version()
     return {
         "source": "numerical simulation",
-        "history": f"computed by snapmap {code}",  # no date: the same input gives the same file
+        # No date: the same input gives the same file.
+        "history": f"computed by snapmap {code_version()}",
         "keywords": KEYWORDS,
         "config": json.dumps(document, default=str),  # laws from Python by their names
-        "code_version": code,
-        "packages": _packages(),
-        "python": platform.python_version(),
+        "code_version": code_version(),
+        **versions(),
     }
+
+
+def versions() -> dict[str, str]:
+    """Give the attributes of every file that tell the versions of packages and Python."""
+    return {"packages": _packages(PACKAGES), "python": platform.python_version()}
 
 
 def config_of(attributes: Mapping[str, str]) -> dict:
@@ -61,10 +67,10 @@ def config_of(attributes: Mapping[str, str]) -> dict:
 
 
 @cache
-def _packages():
-    """Give names and versions of those of PACKAGES that are installed."""
+def _packages(names):
+    """Give names and versions of those packages that are installed."""
     installed = []
-    for package in PACKAGES:
+    for package in names:
         with suppress(PackageNotFoundError):
             installed.append(f"{package} {version(package)}")
     return " ".join(installed)
@@ -117,13 +123,19 @@ def code_hash(*paths: Path) -> str:
 
 
 def hash_numbers(script: str | Path) -> dict[str, str]:
-    """Hash the code that makes numbers with the script of its jobs, by its name in messages."""
-    return {"the code that makes numbers": code_hash(*NUMBERS, Path(script))}
+    """Hash what makes numbers by its name in messages: code, the script of its jobs, and versions.
+
+    Other versions of Python or of packages may give other last bits.
+    """
+    code = code_hash(*NUMBERS, Path(script))
+    made_by = f"{code} {_packages(OF_NUMBERS)} {platform.python_version()}"
+    return {"the code that makes numbers": hashlib.sha256(made_by.encode()).hexdigest()[:12]}
 
 
 def hash_drawing(script: str | Path) -> dict[str, str]:
-    """Hash the code that draws with the script of its jobs, by its name in messages."""
-    return {"the code that draws": code_hash(*DRAWS, Path(script))}
+    """Hash what draws by its name in messages: code, the script of its jobs, and packages."""
+    made_by = f"{code_hash(*DRAWS, Path(script))} {_packages(OF_DRAWING)}"
+    return {"the code that draws": hashlib.sha256(made_by.encode()).hexdigest()[:12]}
 
 
 def config_hash(document: Mapping) -> str:
@@ -156,4 +168,4 @@ def _git(*words):
 
 if __name__ == "__main__":  # for a report of a fault
     print(f"snapmap {code_version()}, Python {platform.python_version()}, {platform.platform()}")
-    print(_packages())
+    print(_packages(PACKAGES))

@@ -16,13 +16,11 @@ from ..files.atomic import is_whole, replacing, seal
 from ..solver.adaptive import choose_model
 from ..solver.options import section_of
 from ..solver.outcome import count
-from ..study.axes import DEVICE, DIRECTION, NAMES, SHAPE, rows_of, shared_points
+from ..study.axes import DEVICE, NAMES, SHAPE, rows_of, shared_points
+from ..study.provenance import versions
 from ..study.study import Study
 from .grid import Observers, follow_rows
 
-SINGLE = (DEVICE, SHAPE, DIRECTION, "C")
-"""Axes of which a slab has a single value, but that a short study has all C in one slab. Cells are
-sought in other slabs with the same value."""
 REMEDY = "remove it, and the next run makes it again"
 Slab = Mapping[str, tuple]
 """Values on each axis, in order and ascending: internal units, f0 in Hz; names on axes of NAMES."""
@@ -34,16 +32,36 @@ def cells_in(slab: Slab) -> int:
 
 
 def slab_name(study: Study, slab: Slab) -> str:
-    """Name a slab by two hashes: of what slabs with shared cells agree in, and of other axes."""
-    single = {key: slab[key] for key in SINGLE if key in slab}
-    part = study.part(slab)
-    nominal = [asdict(device) for device in part.devices().values()]
-    pulses = [hashlib.sha256(p.pieces.tobytes()).hexdigest() for p in part.shocks.pulses]
-    common = [nominal, section_of(study.model), study.section(), pulses, list(slab), single]
+    """Name a slab by two hashes: of what slabs with shared cells agree in, and of its axes."""
+    names = study.devices(), study.shocks.shapes, study.shocks.directions
+    named = zip(NAMES, names, strict=True)
+    fixed = [_meaning(study, key, name) for key, all in named if key not in slab for name in all]
+    common = [fixed, section_of(study.model), study.section(), [*slab]]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
-    others = ", ".join(_text(values) for key, values in slab.items() if key not in SINGLE)
-    texts = plain, f"[{others}]"
-    return "_".join(hashlib.sha256(text.encode()).hexdigest()[:12] for text in texts)
+    values = ", ".join(map(_text, _identified(study, slab).values()))
+    return "_".join(_digest(text.encode()) for text in (plain, f"[{values}]"))
+
+
+def _identified(study, slab):
+    """Give the axes of a slab, each name with the hash of what it means."""
+    return {
+        key: tuple(f"{name} {_meaning(study, key, name)}" for name in values)
+        if key in NAMES
+        else values
+        for key, values in slab.items()
+    }
+
+
+def _meaning(study, key, name):
+    """Hash what a name on an axis means in a study; a direction means itself."""
+    if key == DEVICE:
+        values = asdict(study.devices()[name])
+        return _digest(json.dumps(values, sort_keys=True, default=np.ndarray.tolist).encode())
+    return _digest(study.shocks.shapes[name].pieces.tobytes()) if key == SHAPE else name
+
+
+def _digest(content):
+    return hashlib.sha256(content).hexdigest()[:12]
 
 
 @lru_cache  # many slabs share their N
@@ -59,12 +77,14 @@ def write_slab(
     Cells that other slabs in the same folder hold are copied from there.
     code: hash of the code on which numbers depend; only slabs of the same code are used
     """
-    variables, known = recall(path, slab, code, same_N=study.model.name == "auto")
+    axes = _identified(study, slab)
+    variables, known = recall(path, axes, code, same_N=study.model.name == "auto")
     grid = study.part(slab).set_out({key: slab[key] for key in slab if key not in NAMES})
     _follow_unknown(grid, study, observers, variables, known)
     with replacing(path) as temporary:
         with netCDF4.Dataset(temporary, "w") as file:
-            file.slab, file.code = slab_name(study, slab), code
+            file.setncatts({"slab": slab_name(study, slab), "code": code, **versions()})
+            file.names = json.dumps({axis: axes[axis] for axis in slab if axis in NAMES})
             for axis, values in slab.items():
                 file.createDimension(axis, len(values))
                 dtype = str if axis in NAMES else "f8"
@@ -96,7 +116,8 @@ def recall(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Read cells of a slab from other slabs in the folder of `path`.
 
-    slab: values on each axis, ascending; code: hash of the code that made the other slabs
+    slab: values on each axis, as `_identified` gives them
+    code: hash of the code that made the other slabs
     same_N: whether only slabs with the same N count, as a cell depends on its neighbours along N
     Returns the variables by name, in the shape of the slab, and which of its cells are known.
     """
@@ -123,7 +144,8 @@ def _shared(path, axes, code, same_N):
     The name of the file says nothing: each slab of a large study would have to hash all others.
     """
     with netCDF4.Dataset(path) as file:
-        in_file = {key: np.asarray(file[key][:], axes[key].dtype) for key in axes}
+        names = json.loads(file.names)
+        in_file = {key: np.asarray(names[key] if key in NAMES else file[key][:]) for key in axes}
         if file.code != code or (same_N and not np.array_equal(axes["N"], in_file["N"])):
             return ()
     here, there = shared_points(axes, in_file)

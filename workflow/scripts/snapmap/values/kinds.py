@@ -463,7 +463,7 @@ def _either(words):
 class Fitting(Kind):
     """A value for which `fits` holds, converted by `by`.
 
-    by: may raise ValueError; in_config: what is right there; json: what a config has
+    by: may raise ValueError; in_config: what is right there; json, writes: what a config has
     """
 
     need: str
@@ -471,6 +471,7 @@ class Fitting(Kind):
     by: Callable[[Any], Any] = lambda value: value
     in_config: str = ""
     json: Mapping[str, object] = field(default_factory=dict, hash=False, compare=False)
+    writes: Callable[[Any], object] = lambda value: value
 
     @property
     def asks(self) -> str:
@@ -482,6 +483,10 @@ class Fitting(Kind):
         if not self.fits(value):
             raise self.refuse(value, reading)
         return self.by(value)
+
+    def write(self, value: Any) -> object:
+        """Write a value as a config has it."""
+        return self.writes(value)
 
     def schema(self) -> dict:
         """Describe what a config has."""

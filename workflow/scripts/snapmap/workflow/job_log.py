@@ -15,7 +15,7 @@ from threading import Thread
 
 from ..files.counting import counting
 from ..files.named import hold_to_plan
-from .made import hold_to_list
+from .made import hold_to_list, list_made
 
 RUN = "SNAPMAP_RUN"
 """Name of the environment variable with the process number of a job's run."""
@@ -31,7 +31,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
 
     job: the `snakemake` object. Its values are wildcards and params; NAME_path, or NAME_paths, of
         inputs and outputs; `files`, the inputs by name; `path`, the first output, and its `folder`;
-        the number of `threads`
+        the number of `threads`. It is listed with the hash `made_from` of its params.
     code_of: gives the hash of the code by what it does; it must be the plan's, before and after
     study_of: makes `study` of the run's config and threads
     A function that takes `watch` calls it once it has forked, as no thread outlives a fork.
@@ -56,6 +56,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
             values["study"] = study_of(job.config, threads)
         function(**{name: values[name] for name in wanted if name in values})
         hold_to_plan(code_of())  # parts of it were imported on the way
+        list_made(job.output, job.params.made_from)
     os._exit(0)  # a regular exit would take a sixth of a job
 
 

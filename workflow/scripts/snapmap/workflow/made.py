@@ -3,6 +3,7 @@
 Neither names nor times tell of which study and code a file is, which may have been copied here.
 """
 
+import fcntl
 import json
 import os
 import time
@@ -34,20 +35,21 @@ def hash_of(*sources: object) -> str:
     return blake2b(text.encode(), digest_size=6).hexdigest()
 
 
-def list_made(files: Mapping[str, str]) -> None:
-    """Add files that a job has made to the list.
+def begin_list() -> None:
+    """Write the list with one line for each file; jobs append to it."""
+    _write(_read())
 
-    files: hash of what each was made from, by path
+
+def list_made(files: Iterable[str], made_from: str) -> None:
+    """Append files that a job has made to the list, after which it tells what they are.
+
+    made_from: hash of what they were made from
     """
-    made = {name: (made_from, fingerprint(name)) for name, made_from in files.items()}
-    _write(_read() | made)
-
-
-def forget(files: Collection[str]) -> None:
-    """Take files that are to be made again off the list."""
-    listed = _read()
-    if not listed.keys().isdisjoint(files):
-        _write({name: listed[name] for name in listed if name not in files})
+    lines = [f"{name}\t{made_from}\t{fingerprint(name)}\n" for name in files]
+    with suppress(OSError), open(Path(FOLDER, LIST), "a", encoding="utf-8") as file:
+        with suppress(OSError):  # of a file system without locks
+            fcntl.flock(file, fcntl.LOCK_EX)
+        file.write("".join(lines))
 
 
 def find_others(plan: Mapping[str, str]) -> list[str]:
@@ -168,6 +170,7 @@ def _read():
 def _write(listed):
     lines = ("\t".join([name, *listed[name]]).rstrip() for name in sorted(listed))
     with suppress(OSError):  # a file that a full disk keeps off the list is only made again
+        Path(FOLDER).mkdir(exist_ok=True)
         write_text("\n".join([HEAD, *lines, ""]), Path(FOLDER, LIST))
 
 

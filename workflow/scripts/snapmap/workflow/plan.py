@@ -11,18 +11,21 @@ from ..config.study import Config
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
 from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..study.axes import DEVICE
-from ..sweeps.slabs import SINGLE, Slab, cells_in
+from ..study.axes import NAMES
+from ..sweeps.slabs import Slab, cells_in
 
 JOB_SECONDS = 30
 """Largest expected time of a slab, long against a job's start, and short enough to lose. Most slabs
 take over a third of it."""
+FEW_SECONDS = 3
+"""Expected time up to which a slab has several C, shapes, directions or named devices, as the start
+of its job takes a second."""
 SHARED_SECONDS = 0.2
 """Largest expected time of a study that is a single job, as it takes less than a job's start."""
 SLAB_CELLS = 3_000_000
 """Most cells of a slab, for its memory, but for a row that stays together."""
-MOST_CELLS, MOST_SINGLE = 10**10, 1000
-"""Most cells of a grid, and most values of C, each of which makes a slab; more are a slip."""
+MOST_CELLS = 10**10
+"""Most cells of a grid; more are a slip."""
 START_MB, CELL_MB = 1000, 5e-4
 """Memory requested for a job's start and for each cell; 700 MB and 300 B were measured."""
 START_MINUTES, CAUTION = 2, 20
@@ -55,9 +58,6 @@ def make_plan(study: Config) -> Plan:
     if cells > MOST_CELLS:
         need = f"more than {MOST_CELLS:.0e}; write fewer points"
         raise ValueError(f"sweep: {cells:.3g} cells, {need}")
-    if axes["C"].size > MOST_SINGLE:
-        need = f"at most {MOST_SINGLE}, as each gets a job"
-        raise ValueError(f"sweep.C: {axes['C'].size} values; write {need}")
     dt, seconds = _expected(study, settings, axes["f0"])
     total = float(seconds.sum() * axes["N"].size * axes["C"].size * len(grid.pulses))
     beside, lowest = 0.0, axes["f0"][0]
@@ -76,58 +76,68 @@ def make_plan(study: Config) -> Plan:
         )
     known = np.where(grid.device_of < 0, 0, grid.device_of)
     cost = np.where(grid.device_of[..., np.newaxis] < 0, 0.0, seconds[known])
-    if DEVICE in axes:
-        cost = cost.max(axis=[*axes].index(DEVICE))
+    # Axes of the pulse and C, of which it is the mean, come between the device's and f0.
+    cost = np.expand_dims(cost, (*range(cost.ndim - 1, len(axes) - 2),))
     runs = _runs(axes, cost, study.model.name == "auto")
     # Many slabs share one copy of their N.
     parts = [[(run, tuple(axes[key][run].tolist())) for run in runs[key]] for key in axes]
     slabs, requests = [], []
-    for runs_of_slab in product(*parts):
-        sides = zip(*runs_of_slab, strict=True)
-        places, values = (dict(zip(axes, side, strict=True)) for side in sides)
-        slabs.append(values)
-        *rows, N = (run for key, run in places.items() if key not in SINGLE)
-        cells = cells_in(values)
-        minutes = START_MINUTES + CAUTION * float(cost[np.ix_(*rows)].sum()) * N.size / 60
+    for of_slab in product(*parts):
+        places, values = zip(*of_slab, strict=True)
+        slabs.append(dict(zip(axes, values, strict=True)))
+        cells = cells_in(slabs[-1])
+        at = (run % size for run, size in zip(places, cost.shape, strict=False))
+        minutes = START_MINUTES + CAUTION * cells * float(cost[np.ix_(*at)].mean()) / 60
         requests.append(Request(int(START_MB + CELL_MB * cells), math.ceil(minutes)))
     return Plan(tuple(slabs), tuple(requests), total + float(beside))
 
 
 def _runs(axes, cost, keeps_N):
-    """Cut each axis into runs of places, f0 first, until slabs are within JOB_SECONDS, SLAB_CELLS.
+    """Cut each axis into runs of places until slabs are within their times and SLAB_CELLS.
 
-    cost: expected time of a cell, s, (axes of the device, f0)
+    cost: expected time of a cell, s, (axes but N), 1 long where it is the same for all values
     keeps_N: whether rows along N stay whole, as `auto` looks at neighbours
     """
-    runs = {key: list(np.arange(axes[key].size)[:, np.newaxis]) for key in axes}
-    if cost.sum() * axes["N"].size * axes["C"].size <= SHARED_SECONDS:
-        runs["C"] = [np.arange(axes["C"].size)]
-    cut = [key for key in axes if key not in SINGLE]
-    # Shares of what a slab may have, of a whole row along N.
-    left = (np.maximum(cost / JOB_SECONDS, 1 / SLAB_CELLS) * axes["N"].size)[..., np.newaxis]
-    for key in ("f0", *cut[:-2], "N"):
-        axis, size = cut.index(key), axes[key].size
-        others = tuple(other for other in range(len(cut)) if other != axis)
-        share = np.broadcast_to(left.sum(axis=others) * (left.shape[axis] / size), size)
-        if left.sum() <= 1 or (key == "N" and keeps_N):
+    keys, runs, most = [*axes], {}, FEW_SECONDS
+    few = [key for key in keys if key in (*NAMES, "C")]
+    left = np.maximum(cost, JOB_SECONDS / SLAB_CELLS)[..., np.newaxis]
+    left *= math.prod(values.size for values in axes.values()) / left.size
+    for key in (*reversed(few), "f0", *(key for key in keys[:-2] if key not in few), "N"):
+        if key == "f0":
+            most = JOB_SECONDS
+        axis, size = keys.index(key), axes[key].size
+        single = left * (left.shape[axis] / size)
+        rest = tuple(other for other in range(len(keys)) if other != axis)
+        share = np.broadcast_to(single.sum(axis=rest), size) / most
+        if left.sum() <= most or (key == "N" and keeps_N):
             runs[key] = [np.arange(size)]
         else:
-            runs[key] = _halved(np.arange(size), axes[key].view(np.uint64), share)
-            left = left.max(axis=axis, keepdims=True)
+            runs[key] = _halved(np.argsort(axes[key]), _bits(axes[key]), share)
+            left = single.max(axis=axis, keepdims=True)
     return runs
+
+
+def _bits(values):
+    """Give whole numbers in the order of values: bits of numbers from 0, letters of names."""
+    if values.dtype.kind == "f":
+        return values.view(np.uint64)
+    longest = max(len(name.encode()) for name in values)
+    padded = [name.encode().ljust(longest, b"\0") for name in values]
+    return np.array([int.from_bytes(name) for name in padded], object)
 
 
 def _halved(run, bits, share):
     """Halve a run of places, octaves first, until no part has a share above 1.
 
-    The halves belong to a fixed binary tree over all floating-point numbers: if a grid grows, runs
+    The halves belong to a fixed binary tree over all numbers, or names: if a grid grows, runs
     without a new value stay.
+    run: places in the order of their values
     bits: of the values on the axis; share: of each value, of what a slab may have
     """
     if run.size == 1 or share[run].sum() <= 1:
         return [run]
     highest = int(np.bitwise_or.reduce(bits[run] ^ bits[run[0]])).bit_length() - 1
-    upper = (bits[run] >> np.uint64(highest)) & np.uint64(1) == 1
+    upper = (bits[run] >> highest) & 1 == 1
     return _halved(run[~upper], bits, share) + _halved(run[upper], bits, share)
 
 

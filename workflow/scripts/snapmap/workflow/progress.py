@@ -4,7 +4,7 @@ import logging
 import signal
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from threading import Event, Thread
 
@@ -24,8 +24,6 @@ WRAPPED = (
 """Beginnings of messages that repeat the log of a job, which is shown beside them, or tell of a
 product that stays as it was, or is not there yet."""
 AGAIN = "Trying to restart job"
-NOTHING, DRY_RUN = "Nothing to be done", "This was a dry-run"
-STOPPING = "Terminating processes on user request"
 STOPPED = "interrupted: finished files are kept; the same command continues"
 LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for them{postfix}"
 
@@ -33,36 +31,31 @@ LOOK = "{n_fmt} of {total_fmt} cells, {percentage:.0f} %, {remaining} left for t
 class Progress(logging.Handler):
     """A handler that sums up Snakemake's log."""
 
-    def __init__(self, cells: Mapping[str, int], ended: Callable[[int], None]):
-        """Take the numbers of cells of slabs to simulate, by their names.
-
-        ended: is called with the number of each job that succeeds
-        """
+    def __init__(self, cells: Mapping[str, int]):
+        """Take the numbers of cells of slabs to simulate, by their names."""
         super().__init__(logging.INFO)
-        self.cells, self.ended, self.jobs, self.stages, self.done = cells, ended, {}, [], ""
-        self.line, self.closed = tqdm(disable=True), Event()
+        self.cells, self.jobs, self.stages, self.done = cells, {}, [], ""
+        self.line, self.closed, self.stopped = tqdm(disable=True), Event(), Event()
 
     def begin(self) -> None:
-        """Draw the line if there is a terminal, and update it every second."""
+        """Draw the line if there is a terminal, and update it every second; hear Ctrl-C."""
+        if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+            signal.signal(signal.SIGINT, self._stop)
         look = {"bar_format": LOOK, "leave": False, "file": sys.stderr}
         self.line = tqdm(total=sum(self.cells.values()), disable=None, **look)
         if not self.line.disable:
             Thread(target=self._tick, daemon=True).start()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take note of jobs that start or end, of progress, and of the end of a stopped run."""
+        """Take note of jobs that start or end, and of progress."""
         event = str(getattr(record, "event", ""))
-        if record.getMessage().startswith(STOPPING):
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not disturb it
-            Thread(target=_end_jobs, daemon=True).start()
-        elif event == "job_info" and record.rule_msg:
+        if event == "job_info" and record.rule_msg:
             self.jobs[record.jobid] = record
             if self.line.disable and record.rule_msg not in self.stages:
                 self.stages.append(record.rule_msg)
                 print(record.rule_msg, file=sys.stderr)
         elif event == "job_finished" and record.job_id in self.jobs:
             job = self.jobs.pop(record.job_id)
-            self.ended(record.job_id)
             if job.rule_name == CELLS:
                 self.line.update(self.cells.get(job.wildcards["slab"], 0))
             elif job.rule_name == ALL_CELLS:
@@ -77,6 +70,20 @@ class Progress(logging.Handler):
         self.line.close()
         super().close()
 
+    def is_shown(self, record: logging.LogRecord) -> bool:
+        """Keep warnings, faults and restarts alone, and none of a run that the user has stopped."""
+        words = record.getMessage()
+        is_fault = record.levelno >= logging.WARNING and not words.startswith(WRAPPED)
+        return (is_fault or words.startswith(AGAIN)) and not self.stopped.is_set()
+
+    def _stop(self, number, frame):
+        """End the jobs in one line, without their complaints; Snakemake then ends the run."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not disturb it
+        self.stopped.set()
+        tqdm.write(STOPPED, file=sys.stderr)
+        Thread(target=_end_jobs, daemon=True).start()
+        raise KeyboardInterrupt
+
     def _name_stages(self):
         if not self.line.disable:
             stages = dict.fromkeys(map(_stage, self.jobs.values()))
@@ -85,20 +92,6 @@ class Progress(logging.Handler):
     def _tick(self):
         while not self.closed.wait(1.0):
             self._name_stages()
-
-
-class Hook(logging.Handler):
-    """A handler that calls a function where Snakemake calls none: at words in its log."""
-
-    def __init__(self, words: str, function: Callable[[], None]):
-        """Take the beginning of a message, and the function."""
-        super().__init__(logging.INFO)
-        self.words, self.function = words, function
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Call the function when Snakemake says the words."""
-        if record.getMessage().startswith(self.words):
-            self.function()
 
 
 def _stage(job):
@@ -116,21 +109,3 @@ def _end_jobs():
         for job in psutil.Process().children():
             job.terminate()
         time.sleep(0.1)
-
-
-def hush(handler: logging.Handler) -> None:
-    """Keep all but warnings, faults and restarts from a handler of Snakemake; its log file has all.
-
-    A run that the user stops ends in one line, without the complaints of its jobs.
-    """
-    stopped = Event()
-
-    def is_kept(record):
-        words = record.getMessage()
-        if words.startswith(STOPPING) and not stopped.is_set():
-            stopped.set()
-            tqdm.write(STOPPED, file=sys.stderr)
-        is_fault = record.levelno >= logging.WARNING and not words.startswith(WRAPPED)
-        return (is_fault or words.startswith(AGAIN)) and not stopped.is_set()
-
-    handler.addFilter(is_kept)
