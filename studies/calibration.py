@@ -22,6 +22,9 @@ DURATIONS, C = [250.0, 500.0, 1000.0, 2000.0], 25.0
 SEED, CAMPAIGNS, SHOTS = 11, 100, 30
 SPREAD, LEVELS = 0.03, 0.25
 """Deviation of a threshold from shot to shot, and of levels from it at most; relative."""
+SPREADS, OFF, STEP, RUNGS = (0.02, 0.03, 0.06), 0.1, 0.05, (-0.2, -0.1, 0.0, 0.1, 0.2)
+"""Spreads of campaigns by design; by how much the middle of a design misses the threshold at most;
+the step of up-and-down, and the levels of a grid."""
 TRUE, RANGES = 2.0, {"thickness": (1.6, 2.6), "spring": (3.0, 8.0)}
 NAMES = "the fitted model", "3 cosines", "20 elements", "a beam free to tilt, imperfection 0.1 um"
 NAMES += "a stop at 12 um", "a spring of 6 N/m"
@@ -40,7 +43,76 @@ def main():
         shots = made[NAMES[0]][1]
         rows.append(row(f"{NAMES[0]}; spring unknown", shots, 0 * fitted, surface))
     head = ["shots made by", "thresholds off by", "thickness, um", "half interval", "covered"]
-    write("calibration", Table("calibration", [*head, "spread"], rows))
+    by_design = [
+        of_design(name, spread, made[NAMES[0]][0][::2], groups[::2], surfaces[0])
+        for name in few(DESIGNS)
+        for spread in few(SPREADS)
+    ]
+    heads = ["design", "spread", "thickness, um", "half interval", "covered", "spread: median"]
+    heads += ["5 to 95 %", "covered", "outside their own interval"]
+    designs = Table("calibration_designs", heads, by_design)
+    write("calibration", Table("calibration", [*head, "spread"], rows), designs)
+
+
+def up_and_down(levels: list[float], trips: list[bool]) -> float:
+    """Give the next level, relative to the middle of a design: a step down after a trip, or up."""
+    return levels[-1] + (-STEP if trips[-1] else STEP) if levels else 0.0
+
+
+def langlie(levels: list[float], trips: list[bool]) -> float:
+    """Give Langlie's next level: half way to the last level since which half of the shots tripped.
+
+    If there is none, it is half way to the lower limit after a trip, or else to the upper one.
+    """
+    excess = np.cumsum([1 if tripped else -1 for tripped in trips[::-1]])
+    even = np.flatnonzero(excess == 0)
+    if not levels:
+        return 0.0
+    other = levels[-1 - even[0]] if even.size else -LEVELS if trips[-1] else LEVELS
+    return (levels[-1] + other) / 2
+
+
+def grid(levels: list[float], trips: list[bool]) -> float:
+    """Give the levels of a grid in turn."""
+    return RUNGS[len(levels) % len(RUNGS)]
+
+
+def mixed(levels: list[float], trips: list[bool]) -> float:
+    """Give levels of the three others in turn."""
+    return (up_and_down, langlie, grid)[len(levels) % 3](levels, trips)
+
+
+DESIGNS = {"up-and-down": up_and_down, "Langlie": langlie, "grid": grid, "mixed": mixed}
+
+
+def of_design(
+    name: str, spread: float, N: np.ndarray, groups: tuple[Group, ...], surface: Surface
+) -> list[str]:
+    """Sum up campaigns of a design, in which each group has half of the shots."""
+    draw, found = np.random.default_rng(SEED), []
+    for _ in range(few(CAMPAIGNS, 2)):
+        all_levels, all_trips = [], []
+        for _ in groups:
+            levels, trips, middle = [], [], draw.uniform(-OFF, OFF)
+            for _ in range(SHOTS // len(groups)):
+                levels.append(DESIGNS[name](levels, trips))
+                trips.append(middle + levels[-1] > spread * draw.normal())
+            all_levels += [middle + level for level in levels]
+            all_trips += trips
+        group = np.repeat(np.arange(len(groups)), SHOTS // len(groups))
+        shots = Shots(N[group] * np.exp(all_levels), np.array(all_trips), group, groups)
+        found.append(fit(shots, surface))
+    low, middle, high = np.array([(x.low[0], x.estimate[0], x.high[0]) for x in found], float).T
+    median, least, most = np.array([x.spread.values for x in found]).T
+    outside = (middle < low) | (middle > high) | (median < least) | (median > most)
+    return [
+        *(name, f"{spread:.0%}", f"{middle.mean():.3f}", f"{np.median(high - low) / 2:.3f}"),
+        f"{np.sum((low <= TRUE) & (high >= TRUE))} of {len(found)}",
+        f"{np.median(median):.1%}",
+        "{:.1%} to {:.1%}".format(*np.percentile(median, [5, 95])),
+        f"{np.sum((least <= spread) & (most >= spread))} of {len(found)}",
+        f"{np.sum(outside)} of {len(found)}",
+    ]
 
 
 def makers(device: Device) -> dict[str, Study]:

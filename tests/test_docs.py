@@ -155,7 +155,7 @@ def test_a_universal_file_becomes_a_record_in_the_units_that_it_names(
     (recipe,) = (block for block in blocks(text, "python") if "pyuff" in block)
     exec(recipe, {})
     if peak is None:
-        with pytest.raises(ValueError, match="unit 'NONE' is unknown; write one such as"):
+        with pytest.raises(ValueError, match="unit 'NONE' is unknown; write "):
             snapmap.read_pulse("shock.csv")
         return
     pulse = snapmap.read_pulse("shock.csv")

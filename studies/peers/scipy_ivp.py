@@ -4,12 +4,19 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from snapmap.solver.laws import Laws
+
 from .equations import Equations, Follow, shocks
 
 
-def by_scipy(equations: Equations, method: str, tolerance: float) -> Follow:
-    """Make a function that follows cells in the pulse and after it; the snap is an event."""
-    rate, w = compile_rate(equations)
+def by_scipy(
+    equations: Equations, method: str, tolerance: float, laws: Laws | None = None
+) -> Follow:
+    """Make a function that follows cells in the pulse and after it; the snap is an event.
+
+    laws: in place of the device's own forces
+    """
+    rate, w = compile_rate(equations, laws)
     target, size = equations.target, 2 * equations.modes + 2
 
     def snaps(t, x, *_):
@@ -29,33 +36,46 @@ def by_scipy(equations: Equations, method: str, tolerance: float) -> Follow:
     return lambda cells: np.array([follow(*cell) for cell in zip(*shocks(cells), strict=True)])
 
 
-def compile_rate(equations: Equations):
+def compile_rate(equations: Equations, laws: Laws | None = None):
     """Compile the rate of x = (p, y, p', y') in a pulse, and w(L/2) from rest.
 
+    laws: in place of the device's own forces
     Returns rate(t, x, amplitude, f0, damping), and w(x).
     """
     stiffness, slope_start, load, midpoint, geometric = equations[:5]
     axial, residual, penalty, gap, mass, spring, _ = equations[5:]
-    k = equations.modes
+    k, laws = equations.modes, laws or Laws()
+    drag = laws.damping or njit(lambda C, velocity, place: C * velocity)
+    push = laws.contact or njit(lambda stiffness, overlap: stiffness * max(0.0, overlap))
+    force = laws.force
 
     @njit
     def press(x):
-        return penalty * max(0.0, midpoint @ x[:k] - x[k] - gap)
+        return push(penalty, midpoint @ x[:k] - x[k] - gap)
 
     @njit
     def w(x):
         return midpoint @ x[:k] - residual * press(x)
 
     @njit
+    def hold(p):
+        s = geometric @ p + slope_start
+        return -axial * p @ (s + slope_start) * s - stiffness * p
+
+    @njit
+    def hold_by_law(p):
+        return midpoint * force(-(midpoint @ p))
+
+    held = hold_by_law if force else hold
+
+    @njit
     def rate(t, x, amplitude, f0, damping):
         p, P = x[:k], press(x)
         a = amplitude / 2 * (1 - np.cos(2 * np.pi * f0 * t))
-        s = geometric @ p + slope_start
-        axial_force = -axial * p @ (s + slope_start)
         slope = np.empty_like(x)
         slope[: k + 1] = x[k + 1 :]
-        slope[k + 1 : -1] = axial_force * s - stiffness * p - load * a - midpoint * P
-        slope[-1] = (P - spring * x[k] - damping * x[-1]) / mass - a
+        slope[k + 1 : -1] = held(p) - load * a - midpoint * P
+        slope[-1] = (P - spring * x[k] - drag(damping, x[-1], x[k])) / mass - a
         return slope
 
     rate(0.0, np.zeros(2 * k + 2), 0.0, 0.0, 0.0)

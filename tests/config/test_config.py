@@ -324,6 +324,48 @@ def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
     assert "rise" not in shock.pulse.section
 
 
+INHERITED = {"shape": "trapezoid", "rise": "20 %", "fall": "30 %", "direction": "-z"}
+OF_DROP = {"height": "20 cm", "duration": "1 ms"}
+SHAKEN = {
+    "shock": {"N": 900, "duration": "1 ms"},
+    "drop": {"drop": OF_DROP},
+    "train": {"N": 900, "train": [{"duration": "1 ms"}, {"wait": "2 ms"}, {"duration": "1 ms"}]},
+}
+
+
+@pytest.mark.parametrize("kind", SHAKEN)
+@pytest.mark.parametrize("key", INHERITED)
+def test_each_key_that_a_requirement_lacks_is_that_of_the_study(kind, key):
+    """As if it were written: without it, and with it, the same pulse; in another study another."""
+
+    def pulse_of(study, **own):
+        asked = {"name": "a", "snaps": False} | SHAKEN[kind] | own
+        config = load_config(changed(pulse=study, requirements=[asked]))
+        ((shock,),) = [shock.shocks.each() for shock in requirements.shocks_of(config)]
+        return shock.pulse, shock.direction
+
+    pulse, direction = pulse_of(INHERITED)
+    forms = {name: value for name, value in INHERITED.items() if name != "direction"}
+    blows = SHAKEN["train"]["train"]
+    trained = [forms | blow if "duration" in blow else blow for blow in blows]
+    own = {"drop": {"drop": OF_DROP | forms}, "shock": forms, "train": {"train": trained}}[kind]
+    assert pulse_of({}, **own, direction="-z") == (pulse, direction)
+    less = {name: value for name, value in INHERITED.items() if name != key}
+    less = {"direction": "-z"} if key == "shape" else less
+    assert pulse_of(less) != (pulse, direction)
+
+
+def test_a_shape_of_its_own_counts_also_if_it_is_the_usual_one():
+    own = {"name": "a", "drop": OF_DROP | {"shape": "versed sine"}, "snaps": False}
+    study = changed(pulse={"shape": "half sine"}, requirements=[own])
+    (shock,) = requirements.shocks_of(load_config(study))
+    assert shock.shocks.pulse.section["drop"]["shape"] == "versed sine"
+    assert shock.shocks.pulse.words == "drop from 20 cm, versed sine of 1 ms"
+    own["drop"] = OF_DROP
+    several = changed(pulse={"shape": ["half sine", "sawtooth"]}, requirements=[own])
+    assert only_fault(several).startswith("requirements[0].drop: ")
+
+
 def test_all_faults_are_reported_at_once_wherever_they_are():
     values = {"device__beam__span": "600", "model__step": 2, "sweep__N": [1, 1]}
     values |= {"device__spring": MISSING, "run__horizon": "-1 us", "marks": "none.csv"}

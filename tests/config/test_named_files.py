@@ -20,6 +20,7 @@ from snapmap.config.points import read_points
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
+from snapmap.pulse.shocks import make_shocks
 from snapmap.workflow.alike import check_alike
 
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
@@ -57,9 +58,9 @@ def test_a_study_knows_its_files_by_what_they_hold(folder):
     write_table("shape.csv", "x (um),w (um)", x, 5 * (1 - np.cos(2 * np.pi * x / 600)))
     study = load_config(changed(DOCUMENT, device__beam__shape={"file": "shape.csv"}))
     hashes = {path.name: hashlib.sha256(path.read_bytes()) for path in folder.glob("*.csv")}
-    assert files_of(study) == {name: held.hexdigest() for name, held in hashes.items()}
-    for pulse in (study.shock, shocks_of(study)[0].pulse):
-        assert pulse["sha256"] == files_of(study)["shock.csv"]
+    assert study.files() == {name: held.hexdigest() for name, held in hashes.items()}
+    for shocks in (study.shocks, shocks_of(study)[0].shocks):
+        assert shocks.files == {"shock.csv": study.files()["shock.csv"]}
 
 
 def test_a_record_acts_along_the_direction_that_is_written(folder):
@@ -78,8 +79,8 @@ def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"^shock\.csv: was edited after the run was planned"):
         planned_study(DOCUMENT, threads=1)
-    with pytest.raises(ValueError, match=r"^shock\.csv: was edited: its SHA-256 is not the exp"):
-        read_pulse(study.shock["file"], study.shock["sha256"])
+    with pytest.raises(ValueError, match=r"file: shock\.csv: was edited: its SHA-256 is not the"):
+        make_shocks(study.shocks.values())
     with pytest.raises(ValueError, match=r"^points\.csv: was edited: its SHA-256 is not the exp"):
         read_points(*study.own_points)
 

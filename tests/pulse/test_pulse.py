@@ -12,7 +12,6 @@ from varied import varied
 
 import snapmap
 from snapmap import Study
-from snapmap.config.shocks import shocks_of
 from snapmap.pulse.pulse import SHAPES, G, Pulse, blow_at, make_pulse, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.pulse.trains import make_drop, make_train
@@ -99,7 +98,7 @@ def test_waves_of_both_signs_add_to_the_gross_area_and_cancel_in_the_area(shape)
 def test_both_directions_are_written_as_both_and_others_as_they_are(direction, written):
     shocks = make_shocks(direction=direction)
     assert shocks.section() == ({"pulse": {"direction": written}} if written else {})
-    assert shocks_of(shocks.section().get("pulse", {})).direction == shocks.direction
+    assert make_shocks(shocks.values()).direction == shocks.direction
 
 
 def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
@@ -301,7 +300,7 @@ MISWRITTEN = {
     "time (ms),a (g)\n" + ROW + "0.2,9\n" + REST: "line 5: time is that of the one before; remove",
     "#\ntime (ms),a (g)\n\n" + ROW + "0.1,9\n" + REST: "line 7: time is before the last; sort",
     "time (ms),a (g)\n0.0,0.0,\n0.1,5.0,\n0.2,0.0,\n": "line 2: has 3 columns; write 2",
-    "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write decimals with a po",
+    "# it\ntime (ms),a (g)\n0,0,0,0\n0,1,5,0\n": "line 3: has 4 columns; write numbers without a c",
     "Logger\ntime (ms),a (g)\n" + ROW + REST: "line 1: the header has 1 columns; write 2,",
     "time (ms),a (g) x1e3\n" + ROW + REST: r"'a \(g\) x1e3' does not end with a unit; write",
     "time (ms),a x1000 (g)\n" + ROW + REST: r"'a x1000 \(g\)' has a factor; multiply",
@@ -347,3 +346,18 @@ def test_a_record_of_a_sensor_beyond_its_range_is_told_from_others():
             assert re.match(r"is flat at its peak for [\d.]+ ms, as of a sensor beyond its", note)
     (note,) = sampled(t, np.clip(shocks[0], -0.5, 0.5)).notes
     assert "flat at its peak for 0.33 ms" in note
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_record_whose_largest_acceleration_only_pulls_is_doubted(sign):
+    """Unless the other direction counts, too, or a pull is what snaps."""
+    t = np.linspace(0.0, 500.0, 101)
+    record = sampled(t, sign * np.sin(2 * np.pi * t / 500) * np.where(t < 250, 1.0, 0.5), "hit")
+    ways = {"+z": sign < 0, "-z": sign > 0, "both": False}
+    for direction, pulls in ways.items():
+        lines = make_shocks(record, direction).doubts(is_pressed=True)
+        other = "-z" if direction == "+z" else "+z"
+        assert len(lines) == pulls and all(line.endswith(f"direction: {other}") for line in lines)
+        assert not make_shocks(record, direction).doubts(is_pressed=False)
+    for pulse in ("half sine", {"train": [{"N": -2.0, "duration": 9.0}, {"duration": 9.0}]}):
+        assert not make_shocks(pulse, "-z").doubts(is_pressed=True)

@@ -38,7 +38,7 @@ def test_a_number_is_not_taken_for_a_batch_of_one_and_nothing_is_kept_of_many_or
     assert kept(make, one, model, "x", 3.0) == 3 and kept(make, one, model, "y") == 4
     many = batch([handout] * (FEW + 1))
     assert kept(make, many, model, "x") != kept(make, many, model, "x")
-    laws = snapmap.reference(damping=lambda C, velocity, place: C * velocity)
+    laws = Cosines(laws={"damping": lambda C, velocity, place: C * velocity})
     assert kept(make, one, laws, "x") != kept(make, one, laws, "x")
     forget()
     assert kept(make, one, model, "x") == len(calls)

@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 import yaml
-from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 from small_studies import THREE_COSINES
 
@@ -18,22 +17,21 @@ from snapmap.applications import gather
 from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
 from snapmap.applications.whole import doubts, load_config
-from snapmap.beam.elements import hermite_elements
 from snapmap.config.doubts import descriptions
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver import lawful_loop, plain_loop
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_rows
-from snapmap.solver.laws import PARAMETERS, Laws, load_laws
+from snapmap.solver.laws import PARAMETERS, load_laws
 from snapmap.solver.models import build_model
-from snapmap.solver.nodal import nodal_system
-from snapmap.solver.options import MODELS, Reference
+from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.outcome import SNAPPED
 from snapmap.solver.settings import Run
 from snapmap.study.provenance import device_sections
 from snapmap.thresholds.probe import Probe, lowest_snap
 from snapmap.values.faults import Faults
+from studies.peers.equations import equations_of
+from studies.peers.scipy_ivp import by_scipy
 
 F0 = 1500.0
 SWEEP = "sweep: {N: [600, 900], f0: [1 kHz], C: [25 uN*us/um]}\nrun: {horizon: 0 us}"
@@ -50,33 +48,6 @@ def laws(root):
     return cache(lambda name: load_laws(str(root / "examples" / "laws" / f"{name}.py")))
 
 
-def scipy_snap(device, laws, N, C):
-    """When the elements of the reference snap under laws, us, by solve_ivp."""
-    system, a0 = nodal_system(device, hermite_elements(5)), N * device.gravity
-    n, M, K = system.load.size, device.mass, device.spring
-    target = device.beam.second_equilibrium - device.beam.rise
-    damping = laws.damping.py_func if laws.damping else lambda C, v, y: C * v
-    contact = laws.contact.py_func if laws.contact else lambda k, s: k * max(0.0, s)
-
-    def rate(t, x):
-        u, y, v = x[:n], x[n], x[-1]
-        a = a0 / 2 * (1 - np.cos(2e-6 * np.pi * F0 * t)) if t < 1e6 / F0 else 0.0
-        slope = system.geometric @ u + system.slope_start
-        axial = -system.axial * u @ (slope + system.slope_start)
-        P = contact(device.contact, system.midpoint @ u - y - device.gap)
-        force = axial * slope - system.bending @ u - system.load * a - system.midpoint * P
-        of_mass = -a + (P - K * y - damping(C, v, y)) / M
-        return np.concatenate([x[n + 1 :], system.inverse_inertia @ force, [of_mass]])
-
-    def snaps(t, x):
-        return system.midpoint @ x[:n] - target
-
-    snaps.terminal = True
-    start = np.zeros(2 * n + 2)
-    run = solve_ivp(rate, (0, 2000), start, "DOP853", events=snaps, rtol=1e-8, atol=1e-8)
-    return run.t_events[0][0]
-
-
 @pytest.mark.equation(13)
 @pytest.mark.parametrize(
     ("damping", "contact", "C"),
@@ -85,21 +56,23 @@ def scipy_snap(device, laws, N, C):
 def test_the_examples_move_as_scipy_says(handout, laws, damping, contact, C):
     """And otherwise than the device does without them."""
     both = replace(laws(damping), contact=laws(contact).contact)
-    model = snapmap.reference(damping=both.damping, contact=both.contact)
-    asked = {"horizon": 100.0, "until": "snap"}
-    cube = snapmap.sweep(Study(handout, model, repeat=True, **asked), [2500.0], [F0], [C])
-    assert cube.t_snap.item() == pytest.approx(scipy_snap(handout, both, 2500.0, C), abs=0.01)
-    without = snapmap.sweep(Study(handout, "reference", **asked), [2500.0], [F0], [C])
-    assert not abs(cube.t_snap - without.t_snap) <= 0.1  # or none
+    run = {"horizon": 100.0, "until": "snap", "repeat": True}
+    study = snapmap.Study(handout, Elements(laws=both), **run)
+    cube = snapmap.sweep(study, [2500.0], [F0], [C])
+    equations, cells = equations_of(build_model(handout, Elements())), to_rows(0, F0, C)
+    (exact,) = by_scipy(equations, "DOP853", 1e-8, both)(cells.cells(handout, 2500.0, 100.0).flat())
+    assert cube.t_snap.item() == pytest.approx(exact, abs=0.2)
+    without = snapmap.sweep(replace(study, model=Elements()), [2500.0], [F0], [C])
+    assert not abs(cube.t_snap - without.t_snap) <= 1.0  # or none
     assert cube.outcome == SNAPPED and cube.reproduced == 1  # open: nothing is proven
 
 
-@pytest.fixture(scope="module", params=["reference", "cosines"])
-def double_well(request, handout, laws):
-    """A device of one degree of freedom, its laws and its model, in either loop."""
+@pytest.fixture(scope="module")
+def double_well(handout, laws):
+    """A device of one degree of freedom, its laws and its model."""
     device = replace(handout, contact=500.0, spring=0.05)
     model = {"force": laws("double_well").force, "contact": laws("fixed_mass").contact}
-    made = MODELS[request.param](laws=model)
+    made = Cosines(laws=model)
     return device, made, build_model(batch([device]), made)
 
 
@@ -152,8 +125,8 @@ def test_a_double_well_withstands_what_its_energy_proves(double_well):
 )
 def test_a_contact_has_an_energy_that_proves_or_has_not(handout, contact, gap, stores):
     device, rows = batch([replace(handout, gap=gap)]), to_rows(0, [F0], 0.0)
-    model = build_model(device, snapmap.reference(contact=contact))
-    plain = least_amplitudes(build_model(device, Reference()), rows)
+    model = build_model(device, Elements(laws={"contact": contact}))
+    plain = least_amplitudes(build_model(device, Elements()), rows)
     assert least_amplitudes(model, rows) == stores * plain
 
 
@@ -163,25 +136,6 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == SNAPPED
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all()
-    assert np.isnan(run.contact_energy).all() == (model.name == "reference")
-    if model.name == "reference":
-        only = r"model\.laws: of reference work only with simulate, sweep, threshold; write a model"
-        with pytest.raises(ValueError, match=only):
-            snapmap.tolerance(Study(device, model), {"mass": 1.0}, N=[1], f0=[1], C=[1])
-
-
-def test_a_law_that_is_too_stiff_for_the_step_is_followed_in_shorter_ones(handout):
-    """A contact 200 times as stiff as the device's, as if the device had it."""
-
-    def stiffer(stiffness, overlap):
-        return 200 * stiffness * max(0.0, overlap)
-
-    how = {"until": "snap", "horizon": 50.0}
-    asked = {"N": [1500.0], "f0": [F0], "C": [25.0]}
-    cube = snapmap.sweep(Study(handout, snapmap.reference(contact=stiffer), **how), **asked)
-    hard = replace(handout, contact=200 * handout.contact)
-    plain = snapmap.sweep(Study(hard, "reference", **how), **asked)
-    assert cube.halvings > 0 and abs(cube.t_snap - plain.t_snap) < 0.2
 
 
 REFUSED = {
@@ -218,7 +172,7 @@ def test_a_file_that_has_no_laws_is_refused_in_a_line(handout, law_file, written
     law_file.write_text(written)
     line = re.escape(f"mylaws.py{REFUSED[written]}")
     with pytest.raises(ValueError, match=rf"\A(model\.)?laws: {line}.*\Z"):
-        build_model(handout, Reference(laws="mylaws.py"))
+        build_model(handout, Elements(laws="mylaws.py"))
 
 
 @pytest.mark.parametrize("name", [".a.py", "numpy.py", "my.laws.py"])
@@ -228,32 +182,19 @@ def test_a_file_of_laws_may_have_any_name(law_file, name):
     assert load_laws(name).damping(3.0, 5.0, 0.0) == 30.0
 
 
-def test_an_error_of_a_law_on_the_way_is_one_line(handout, monkeypatch):
-    """The loop is not compiled here."""
-
-    def damping(C, velocity, place):
-        raise ValueError("deep")
-
-    monkeypatch.setattr(lawful_loop, "follow", lambda *run: run[-3](*run[:3]))
-    with pytest.raises(
-        ValueError, match=r"\Amodel\.laws: .*test_laws\.py, line \d+: damping: damping: V"
-    ):
-        plain_loop.follower(Laws(damping=damping))(25.0, 1.0, 0.0)
-
-
 def test_what_laws_do_not_know_is_refused(handout, laws):
-    contact = snapmap.reference(contact=laws("fixed_mass").contact)
-    refused = {"stop_away": 900.0, "contact_at": -2.0, "strength": 900.0}
+    contact = Elements(laws={"contact": laws("fixed_mass").contact})
+    refused = {"stop_away": 900.0, "contact_at": -2.0}
     for name, value in refused.items():
         with pytest.raises(ValueError, match=rf"device\.{name}: does not work with these"):
             build_model(replace(handout, **{name: value}), contact)
-    force = replace(snapmap.reference(force=laws("double_well").force), elements=4)
+    force = Elements(4, laws={"force": laws("double_well").force})
     with pytest.raises(ValueError, match=r"model\.elements: does not work with these laws"):
         build_model(handout, force)
 
 
 CONFIG = yaml.safe_load(THREE_COSINES + SWEEP)
-CONFIG |= {"model": {"name": "reference", "laws": "mylaws.py"}}
+CONFIG |= {"model": {"name": "elements", "laws": "mylaws.py"}}
 CUBIC = CONFIG | {"sweep": CONFIG["sweep"] | {"C": ["3e4 uN*us^3/um^3"]}}
 CELLS = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us/um"}]}
 OF_CUBIC = {"histories": [{"N": 900, "f0": "1 kHz", "C": "25 uN*us^3/um^3"}]}
@@ -279,8 +220,8 @@ def test_a_config_names_a_file_of_laws(root, law_file):
     assert in_kernel.model.laws.sha256 == edited.model.laws.sha256
     with pytest.raises(Faults, match=r"^model\.laws: auto takes none; write name: elements, or c"):
         load_config(CONFIG | {"model": {"name": "auto", "laws": "mylaws.py"}})
-    with pytest.raises(Faults, match=r"^tolerances: does not work with model"):
-        load_config(CUBIC | {"tolerances": {"thickness": "1 %"}})
+    with pytest.raises(Faults, match=r"^laws: does not work with model"):
+        load_config(CUBIC | {"laws": True})
 
 
 def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
@@ -295,7 +236,7 @@ def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
 def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
     axes, model = (
         ([900.0], [F0], [3e4]),
-        {"model": snapmap.reference(damping=lambda C, v, y: C * v)},
+        {"model": Elements(laws={"damping": lambda C, v, y: C * v})},
     )
     cube, edges = (
         snapmap.sweep(Study(handout, **model), *axes),
@@ -309,7 +250,7 @@ def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
 def test_a_law_counts_C_in_the_unit_that_it_states(handout):
     """A drag of C velocity^2 has kg/m."""
     seen = {"damping": lambda C, velocity, place: C * abs(velocity) * velocity}
-    model = Reference(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
+    model = Elements(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
     study = snapmap.Study(handout, model, until="snap")
     cube = snapmap.sweep(study, [900.0], [F0], ["6e-6 kg/m", "7 uN*us^2/um^2", 8.0])
     assert cube.C.values.tolist() == pytest.approx([6.0, 7.0, 8.0])
@@ -321,7 +262,7 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
         ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
     ):
         snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
-    own = snapmap.Study(handout, Reference(laws=seen), until="snap")
+    own = snapmap.Study(handout, Elements(laws=seen), until="snap")
     own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
     assert own.C.units == "uN us um-1" and "unit_of_C" not in own.attrs["config"]
 

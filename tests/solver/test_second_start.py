@@ -14,7 +14,6 @@ from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.applications.whole import load_config
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.beam.modal import contact_stiffness
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
@@ -24,6 +23,8 @@ from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
+from studies.peers.equations import equations_of
+from studies.peers.scipy_ivp import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}
 CHEAP = {"model": "3 cosines"}
@@ -59,23 +60,9 @@ def test_the_reset_force_is_the_closed_form(handout):
 def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     """With its mass, by the beam's own inertia: -z from the second shape."""
     model = build_model(handout, Cosines(modes=3)).with_step(0.25)
-    N, form, mass = 5.5e4, model.modal, handout.mass
-    stiffness = contact_stiffness(handout, form.residual)
-
-    def press(x):
-        return stiffness * max(0.0, form.midpoint @ x[:3] - x[3])
-
-    def rate(t, x):
-        p, P = x[:3], press(x)
-        a = -N * handout.gravity / 2 * (1 - np.cos(2 * np.pi * 2e-2 * t))
-        slope = form.geometric @ p + form.slope_start
-        axial = -form.axial * p @ (slope + form.slope_start)
-        of_beam = axial * slope - form.stiffness * p - form.load * a - form.midpoint * P
-        of_mass = (P - handout.spring * x[3] - 25 * x[7]) / mass - a
-        return np.concatenate([x[4:], of_beam, [of_mass]])
-
-    snap = {"events": lambda t, x: form.midpoint @ x[:3] - form.residual * press(x)}
-    start = np.append(model.second.modes, np.zeros(5))
+    N, (rate, w) = 5.5e4, compile_rate(equations_of(model))
+    start, shock = np.append(model.second.modes, np.zeros(5)), (-N * handout.gravity, 2e-2, 25.0)
+    snap = {"args": shock, "events": lambda t, x, *_: w(x)}
     run = solve_ivp(rate, (0, 50), start, "DOP853", rtol=1e-9, atol=1e-9, **snap)
     cells = to_rows(0, 2e4, 25.0).cells(handout, -N, 0.0)
     seen = model.follow(cells, Run(horizon=0.0, until="snap", start="second"))

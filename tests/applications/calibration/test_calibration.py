@@ -12,7 +12,7 @@ from snapmap import Study
 from snapmap.applications.calibration import figure
 from snapmap.applications.calibration.dataset import fit, summary
 from snapmap.applications.calibration.likelihood import Profile, reach
-from snapmap.applications.calibration.shots import shots_from
+from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.applications.calibration.surface import Surface
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 
@@ -127,3 +127,20 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     assert fit.get_xydata().tolist() == [[1e3, 1e3], [2e3, 1.2e3]]
     assert stayed.get_ydata().tolist() == [900, 1000] and tripped.get_ydata().tolist() == [1100]
     assert [shots.get_markerfacecolor() for shots in (stayed, tripped)] == ["white", "black"]
+
+
+@pytest.mark.parametrize(
+    ("table", "remedy"),
+    [
+        (
+            'N,f0,tripped\n"1,000",1000,yes\n',
+            "'1,000' is .*; write numbers without a comma, such as",
+        ),
+        ("N;f0;tripped\n1,000;1000;yes\n", "'1,000' is .*; write numbers without a comma, such as"),
+        ("N (m/s^2),f0,tripped\n1,2,yes\n", r"unit 'm/s\^2' is unknown; write N or N \(g\)$"),
+    ],
+)
+def test_a_remedy_for_a_table_is_itself_right(tmp_path, table, remedy):
+    (tmp_path / "shots.csv").write_text(table, encoding="utf-8")
+    with pytest.raises(ValueError, match=remedy):
+        read_shots(tmp_path / "shots.csv")

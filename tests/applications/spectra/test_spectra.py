@@ -10,10 +10,11 @@ from scipy.signal import lsim
 import snapmap
 from snapmap import Study
 from snapmap.applications.spectra import trips as spectra_trips
-from snapmap.applications.spectra.psd import Spectrum
+from snapmap.applications.spectra.psd import Density, Spectrum
 from snapmap.applications.spectra.required import RequiredSpectrum
 from snapmap.applications.spectra.srs import (
     BAND,
+    Levels,
     check_points,
     frequencies,
     level,
@@ -22,6 +23,7 @@ from snapmap.applications.spectra.srs import (
 )
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.vibration import _level, fit_rates
+from snapmap.values.kinds import kind_of
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
 
@@ -127,6 +129,32 @@ def test_ends_leave_out_what_fails():
     assert ends(snaps) == (FACTORS[4], FACTORS[5], FACTORS[6], FACTORS[8])
     assert ends(np.zeros((2, len(FACTORS)))) == (4.0, np.inf, 4.0, np.inf)
     assert ends(np.ones((2, len(FACTORS)))) == (0.0, 0.25, 0.0, 0.25)
+
+
+IN_SI = ["(m/s^2)^2/Hz", "(m/s²)²/Hz", "m^2/s^4/Hz", "m**2/s**3"]
+
+
+@pytest.mark.parametrize(
+    ("hint", "in_g", "in_si", "power"),
+    [
+        (Density, ["g^2/Hz", "g2/Hz", "gn²/Hz", "gn**2 / Hz"], IN_SI, 2),
+        (Levels, ["g", "gn"], ["m/s^2", "m/s²"], 1),
+    ],
+)
+def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, in_g, in_si, power):
+    """A config names the unit of each; a number in Python counts multiples of g, or g^2/Hz."""
+    kind = kind_of(hint)
+    sizes = dict.fromkeys(in_g, 1.0) | dict.fromkeys(in_si, 9.80665**-power)
+    for unit, size in sizes.items():
+        points = [["20 Hz", f"3.5 {unit}"], ["2 kHz", f"7e0{unit}"]]
+        for read in (kind.read, kind.take):
+            assert read(points)[:, 1] == pytest.approx([3.5 * size, 7.0 * size], rel=1e-14)
+    assert kind.take([(20.0, 3.5), (2000.0, 7.0)])[:, 1].tolist() == [3.5, 7.0]
+    for wrong in (3.5, "3.5", "3.5 m", "3.5 g/Hz", "3.5 kg", "g", "1.2.3 g", True, None, "3.5 m/s"):
+        with pytest.raises(
+            ValueError, match=r"\[1\]\[1\]: .*; write a (density|level) in one of g"
+        ):
+            kind.read([["20 Hz", f"3.5 {in_g[0]}"], ["2 kHz", wrong]])
 
 
 FLAT = [(20.0, 0.04), (2000.0, 0.04)]

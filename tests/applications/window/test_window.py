@@ -105,7 +105,8 @@ def test_a_line_says_what_lies_between_points():
     x, y, over = np.array([1.0, 2.0, 3.0]), np.array([10.0, 12.0]), ("requirement", "mass", "C")
     share = lambda line: float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100  # noqa: E731
     reserve = np.stack(np.broadcast_arrays((1 + (2.5 - x) / 10)[:, np.newaxis], 1 + (y - 10.5)))
-    data = {"reserve": (over, reserve), "yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
+    data = {"yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
+    data |= dict.fromkeys(("reserve", "N_first"), (over, reserve))
     window = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
     line = summary(window, {"mass": ("mg", 2.0)})
     assert line.startswith("thresholds on the right side of all requirements at 2 of 6 points, ")
@@ -116,6 +117,24 @@ def test_a_line_says_what_lies_between_points():
     line = summary(window.assign(reserve=(over, band)), {})
     assert line.startswith("thresholds on the right side of all requirements at 0 of 6 points, ")
     assert share(line) == pytest.approx(0.1, abs=0.03)
+
+
+def test_margins_beyond_what_is_followed_are_no_widest_ones():
+    """Of x above 5 the half is beyond 4; where nothing snaps there is no margin at all."""
+    over = "requirement", "mass", "C"
+    reserve = np.array([[[3.0, 3.0], [5.0, 5.0], [6.0, 6.0]]])
+    window = xr.Dataset({key: (over, reserve) for key in ("reserve", "N_first")})
+    window = window.assign_coords(requirement=["a"], mass=[1.0, 2.0, 3.0], C=[10.0, 12.0])
+    line = summary(window, {})
+    assert re.search(r"100.0% of the plane; the widest margin, a factor over 4, is that of", line)
+    assert float(re.search(r"of ([\d.]+)% of the plane$", line)[1]) == pytest.approx(51.5, abs=2)
+    infinite = window.assign(reserve=window.reserve + np.inf, N_first=window.N_first * np.nan)
+    infinite["N_error"] = infinite.N_first
+    line = summary(infinite, {})
+    assert line.endswith("requirements at 6 of 6 points; nothing snaps at any")
+    infinite.reserve.attrs["off_between_points"] = 0.0
+    about = figure._about(infinite, infinite.reserve.values)
+    assert about == "met everywhere: a\nticks: where a requirement fails; nothing snaps"
 
 
 def test_no_design_chooses_a_temperature(handout, study):

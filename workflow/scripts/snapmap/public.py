@@ -15,13 +15,12 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
+from .solver.settings import FIRST
 from .study.axes import frequencies
 from .study.study import Study
 from .values import calls
 from .values.units import OF_DAMPER
 
-OF_LAWS = ("simulate", "sweep", "threshold")
-"""Functions that follow the laws of `reference`, which is slow."""
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
     **{
@@ -68,10 +67,6 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
     if study is None:
         yield
         return
-    laws = study.model.laws
-    if laws and study.model.name == "reference" and function.__name__ not in OF_LAWS:
-        line = f"model.laws: of reference work only with {', '.join(OF_LAWS)}"
-        raise ValueError(f"{line}; write a model elements or cosines")
     for line in _doubts(study, values):
         warnings.warn(line, stacklevel=4)
     with counting(function.__name__):
@@ -82,8 +77,7 @@ def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
     yield from unusual_runs(horizon=study.horizon, **({} if N is None else {"N": N}))
-    for pulse in study.shocks.shapes.values():
-        yield from (f"{pulse.name}: {note}" for note in pulse.notes)
+    yield from study.shocks.doubts(is_pressed=study.start == FIRST)
     C, f0 = values.get("C"), None
     if "f0" in values:
         f0 = frequencies(values["f0"], values.get("duration"))

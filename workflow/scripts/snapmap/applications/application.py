@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from ..config.study import Config
     from ..device.device import Device
-    from ..pulse.pulse import Pulse
+    from ..pulse.shocks import Shocks
     from ..solver.cells import Cells, Observations
     from ..solver.models import Follows
     from ..solver.settings import Run
@@ -103,8 +103,8 @@ class Application:
         """Lines about values that are probably mistakes."""
         return ()
 
-    def records(self, study: Config) -> Sequence[tuple[Pulse, float]]:
-        """Recorded shocks that its section names, each with an f0, Hz."""
+    def records(self, study: Config) -> Sequence[tuple[Shocks, float, str]]:
+        """Recorded shocks that its section names, each with f0 (Hz) and start."""
         return ()
 
     def marks(self, study: Config) -> Sequence[Mark]:

@@ -11,12 +11,13 @@ from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
 from ..files.text import plain
+from ..solver.settings import FIRST
 from .plausible import implausible, unusual_runs
 from .points import read_points
 from .vibrations import vibrations
 
 if TYPE_CHECKING:
-    from ..pulse.pulse import Pulse
+    from ..pulse.shocks import Shocks
     from .study import Config
 
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
@@ -50,10 +51,10 @@ def dampers(study: Config) -> np.ndarray | None:
     return None if study.model.laws else study.axes["C"]
 
 
-def doubts_of_core(study: Config, records: Sequence[tuple[Pulse, float]] = ()) -> list[str]:
+def doubts_of_core(study: Config, records: Sequence[tuple[Shocks, float, str]] = ()) -> list[str]:
     """Warn, in lines, of values that are hardly meant and of what the model may leave out.
 
-    records: recorded shocks beside the study's own, each with an f0, Hz
+    records: recorded shocks beside the study's own, each with an f0, Hz, and a start
     """
     axes, (first, *_) = study.axes, study.devices().values()
     swings = max(pulse.swings for pulse in study.shocks.pulses)
@@ -70,9 +71,10 @@ def doubts_of_core(study: Config, records: Sequence[tuple[Pulse, float]] = ()) -
         if "temperature" in axes and not any(slopes):
             remarks.append(f"temperature: {IDLE}")
         lines += [f"{name}: {line}" for line in remarks if line]
-    shaking = [(pulse, axes["f0"][-1]) for pulse in study.shocks.shapes.values()]
-    for pulse, f0 in [*shaking, *records]:
-        lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
+    for shocks, f0, start in [(study.shocks, axes["f0"][-1], study.start), *records]:
+        lines += shocks.doubts(is_pressed=start == FIRST)
+        for pulse in shocks.shapes.values():
+            lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
     return lines

@@ -5,8 +5,8 @@ from dataclasses import KW_ONLY, fields
 from typing import Annotated, Literal
 
 from ..files.named import sha256_of
-from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, ShapeName
-from ..pulse.recorded import RECORD, read_pulse
+from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, Form, ShapeName
+from ..pulse.recorded import RECORD
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..pulse.trains import Blow, Drop
 from ..values.faults import at_key
@@ -56,41 +56,26 @@ class PulseSection(Form):
 
     def __post_init__(self):
         """Make the shocks; ValueError, which begins with `.key: `, for what cannot be one."""
-        try:
-            self.make_shocks()
-        except ValueError as error:
-            raise ValueError(str(error).removeprefix("pulse")) from None
-
-    def values(self) -> dict:
-        """Give the values that are written, in internal units, with the SHA-256 of a file."""
-        mine = {field.name for field in fields(PulseSection)}
-        values = {key: value for key, value in told(self).items() if key in mine}
-        if self.train is not None:
-            values["train"] = [told(item) for item in self.train]
-        if self.drop is not None:
-            values["drop"] = told(self.drop)
-        try:
-            return values | ({"sha256": sha256_of(self.file, *RECORD)} if self.file else {})
-        except ValueError as error:
-            raise ValueError(f"file: {error}") from None
+        self.make_shocks()
 
     def make_shocks(self) -> Shocks:
         """Make the shocks."""
-        return shocks_of(self.values())
+        return self.shocks_from(self.of_pulse())
+
+    def of_pulse(self) -> dict:
+        """Give what is written of the pulse."""
+        return {key: value for key, value in told(self).items() if key in PULSE}
+
+    def shocks_from(self, values: Mapping) -> Shocks:
+        """Make shocks of values by their keys in PULSE; a file is hashed as it is read."""
+        if "file" in values:
+            with at_key("file"):
+                values = {**values, "sha256": sha256_of(values["file"], *RECORD)}
+        try:
+            return make_shocks(values)
+        except ValueError as error:
+            raise ValueError(str(error).removeprefix("pulse")) from None
 
 
-def shocks_of(values: Mapping) -> Shocks:
-    """Make the shocks of a section by its values, as `PulseSection.values` gives them."""
-    values = dict(values)
-    direction = values.pop("direction", "+z")
-    if "file" in values:
-        with at_key("file"):
-            pulse = read_pulse(values["file"], values["sha256"])
-        return make_shocks(pulse, direction)
-    names = values.get("shape", VERSED_SINE)
-    if not isinstance(names, list):
-        return make_shocks(values or VERSED_SINE, direction)
-    # Shares belong to the trapezoid; without one the first shape refuses them.
-    bearer = "trapezoid" if "trapezoid" in names else names[0]
-    forms = [values | {"shape": name} if name == bearer else {"shape": name} for name in names]
-    return make_shocks(forms, direction)
+PULSE = tuple(field.name for field in fields(PulseSection))
+"""Keys of a pulse."""

@@ -35,7 +35,6 @@ class Config(Study):
 
     sections: the config as it was read, in records; source: as it was written
     grid: all points of the axes, each ascending
-    shock: section of the pulse, in internal units, with the SHA-256 of a record
     maps, curves: figures of cells and of thresholds
     left_out: one line on maps that are not drawn, or an empty one
     requests: request to each application, by the name of its folder; false for no request
@@ -44,7 +43,6 @@ class Config(Study):
     sections: Core
     source: Mapping
     grid: Grid
-    shock: dict
     maps: tuple[View, ...]
     curves: tuple[View, ...]
     left_out: str
@@ -100,7 +98,7 @@ class Config(Study):
 
         keys: names of the settings to include; all by default
         """
-        return self.document(keys) | {"pulse": self.shock}
+        return self.document(keys) | {"pulse": self.shocks.values()}
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
@@ -108,7 +106,7 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that sections of the core name, as it was read, by path."""
-        recorded = {self.shock["file"]: self.shock["sha256"]} if "file" in self.shock else {}
+        recorded = self.shocks.files
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
         laws = self.model.laws
@@ -156,7 +154,6 @@ def convert(parts: Core, source: Mapping) -> Config:
         sections=parts,
         source=source,
         grid=grid,
-        shock=parts.pulse.values() if parts.pulse else {},
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
         left_out=left_out,

@@ -228,7 +228,7 @@ def number(value: float | str, digits: int = 4) -> str:
     if isinstance(value, str):
         return value
     if not math.isfinite(value):
-        return "hard" if value == math.inf else "?"
+        return "hard" if value == math.inf else "not known"
     sign, size = "−" if value < 0 else "", plain(abs(value), digits)
     thin = r"\," if rcParams["text.usetex"] else THIN
     return sign + (f"{float(size):,.0f}".replace(",", thin) if FROM <= float(size) < 1e7 else size)

@@ -11,8 +11,8 @@ import numpy as np
 
 from .text import show
 
-DECIMALS = "write decimals with a point, not a comma"
-"""Remedy for a table with decimal commas."""
+DECIMALS = "write numbers without a comma, such as 1000, or 1.5 for one and a half"
+"""Remedy for a table with commas in its numbers."""
 MOST_ROWS = 10_000
 ROWS = 2_000_000, f"write at most {MOST_ROWS} rows"
 """Most bytes of a table of shocks, and the remedy for a larger one, as `read_named` takes them."""
@@ -157,9 +157,8 @@ def _scale(word, key, numbers):
     units, unit = numbers.get(key, {"": 1.0}), "".join(_UNIT.findall(word)[:1]).strip()
     if unit not in units:
         what = f"unit {show(unit)} is unknown" if unit else "does not end with a unit"
-        raise ValueError(
-            f"header {show(word)} {what}; write one such as {key} ({next(iter(units))})"
-        )
+        heads = " or ".join(f"{key} ({unit})" if unit else key for unit in units)
+        raise ValueError(f"header {show(word)} {what}; write {heads}")
     if _FACTOR.search(_UNIT.sub("", word)):
         raise ValueError(f"header {show(word)} has a factor; multiply the numbers by it")
     return units[unit]

@@ -4,15 +4,24 @@ import numpy as np
 
 DEVIATIONS = 1.959963984540054
 """Half the width of the interval that holds 95 % of a normal distribution, over its deviation."""
+CONFIDENCE = 0.95
+"""Default confidence of each bound of a share."""
+DECIMALS = 7
+"""Decimals to which bounds are rounded, so that libraries cannot differ."""
+MOST = 10_000_000
+"""Most samples that are counted on."""
 
 
 def percents(*shares: float) -> str:
     """Write shares in per cent, from the lowest to the highest, or once if both read alike.
 
-    A share that is not known, NaN, is a question mark.
+    NaN is not known, and not counted among others.
     """
-    ends = dict.fromkeys(f"{100 * float(end):.1f}" for end in (min(shares), max(shares)))
-    return f"{' to '.join(ends)} %".replace("nan", "?")
+    known = [100 * float(share) for share in shares if share == share]
+    if not known:
+        return "not known"
+    ends = dict.fromkeys(f"{end:.1f}" for end in (min(known), max(known)))
+    return f"{' to '.join(ends)} %"
 
 
 def scope(share) -> str:
@@ -26,11 +35,38 @@ def scope(share) -> str:
     )
 
 
-def wilson(count: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return both 95 % bounds of a share, if `count` of the samples are in it (Wilson, 1927)."""
-    z2 = DEVIATIONS * DEVIATIONS
-    share = np.asarray(count) / samples
-    middle = (share + z2 / (2 * samples)) / (1 + z2 / samples)
-    spread = share * (1 - share) / samples + z2 / (4 * samples * samples)
-    half = DEVIATIONS * np.sqrt(spread) / (1 + z2 / samples)
-    return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
+def share_bounds(
+    count: np.ndarray, samples: int, confidence: float | np.ndarray = CONFIDENCE
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds of a share of samples by their count, each alone at a confidence.
+
+    The bounds are those of Clopper and Pearson (1934). A count may be a sum of probabilities.
+    """
+    from scipy.stats import beta  # half a second, for which no config that is read has to wait
+
+    count, confidence = np.asarray(count, float), np.asarray(confidence)
+    with np.errstate(invalid="ignore"):
+        low = beta.ppf(1 - confidence, count, samples - count + 1)
+        high = beta.ppf(confidence, count + 1, samples - count)
+    low, high = np.where(count > 0, low, 0.0), np.where(count < samples, high, 1.0)
+    return np.round(low, DECIMALS), np.round(high, DECIMALS)
+
+
+def devices_to_decide(share: float, asked: float, confidence: float = CONFIDENCE) -> float:
+    """Find the least number of samples whose bounds decide whether a share reaches an asked one.
+
+    The share is that of the samples; infinite if MOST are too few. A share of 1 reaches 99.9 % at
+    95 % with 2995.
+    """
+
+    def decides(size):
+        low, high = share_bounds(share * size, size, confidence)
+        return low >= asked or high < asked
+
+    few, enough = 0, MOST
+    if not decides(enough):
+        return np.inf
+    while enough - few > 1:
+        middle = (few + enough) // 2
+        few, enough = (few, middle) if decides(middle) else (middle, enough)
+    return enough

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from ..files.tables import require_rising
-from ..files.text import show
+from ..files.text import plain, show
 from ..numerics.portable import sines
 from ..values.kinds import Fitting, Quantity, Word
 from ..values.quantities import Share, single
@@ -163,6 +163,22 @@ class Pulse:
         return bool(np.isfinite(self.peak))
 
     @property
+    def words(self) -> str:
+        """The pulse in words: its name, or height, shape and duration of a drop, and rebounds."""
+        drop = self.section.get("drop")
+        if not drop:
+            return self.name
+        height, lasts = plain(1e-4 * drop["height"]), plain(1e-3 * drop["duration"])
+        shape, rebounds = drop.get("shape", VERSED_SINE), self.blows.size - 1
+        again = f", {rebounds} rebound{'s' * (rebounds > 1)}" if rebounds else ""
+        return f"drop from {height} cm, {shape} of {lasts} ms{again}"
+
+    @property
+    def is_record(self) -> bool:
+        """Whether it is made of samples over time."""
+        return self.duration is not None and not self.blows.size
+
+    @property
     def alone(self) -> "Pulse":
         """The strongest blow of a train alone; other pulses as they are."""
         return self.strongest or self
@@ -269,12 +285,12 @@ class Pulse:
 
         own_frequency, gravity: of the `Device`, rad/us and um/us^2; lasts: in the study, us
         """
-        lines, period = list(self.notes), 2 * np.pi / own_frequency
+        lines, period = [], 2 * np.pi / own_frequency
         if self.blows.size and self.is_of_frame:
             N = f"N = {self.peak / gravity:.5g}"
             lines.append(f"{N} is the fall from its height; another N scales the whole record")
         step = np.diff(self.pieces[:, 0], append=1.0).max() * lasts
-        if self.duration is not None and not self.blows.size and step * COARSE > period:
+        if self.is_record and step * COARSE > period:
             lines.append(f"samples {step:.3g} us apart are coarse for a period of {period:.3g} us")
         return [f"{self.name}: {line}" for line in lines]
 
@@ -324,7 +340,7 @@ class Form:
 
     def make(self) -> "Pulse":
         """Make the pulse."""
-        return make_pulse(self.shape, **self.shares)
+        return make_pulse(self.shape or VERSED_SINE, **self.shares)
 
 
 def straight(x: np.ndarray, values: np.ndarray) -> np.ndarray:

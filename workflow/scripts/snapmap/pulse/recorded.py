@@ -63,4 +63,5 @@ def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:
         if not is_name(path.stem):
             raise ValueError(f"its name stands in tables; rename it, in {NAME}")
         pulse = sampled(time, acceleration, path.stem)
-        return replace(pulse, peak=abs(acceleration).max(), section={"file": str(path)})
+        section = {"file": str(path)} | ({"sha256": sha256} if sha256 else {})
+        return replace(pulse, peak=abs(acceleration).max(), section=section)

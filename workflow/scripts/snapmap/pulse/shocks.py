@@ -6,14 +6,15 @@ from typing import Annotated
 
 import numpy as np
 
-from ..values.faults import line_at
+from ..values.faults import at_key, line_at
 from ..values.kinds import Fitting
 from ..values.records import build
 from .pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, Pulse, make_pulse
+from .recorded import read_pulse
 from .trains import make_drop, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop}
-SECTION = {"shape", *SHARES, *MAKERS}
+SECTION = {"shape", "file", *SHARES, *MAKERS}
 """Keys of a pulse."""
 UNITS = {"duration": "us", "wait": "us", "height": "um"}
 """Units of values in that section; other values are shares or have no unit."""
@@ -74,6 +75,22 @@ class Shocks:
         """Keep the first shape in the first direction."""
         return Shocks(next(iter(self.shapes.values())), self.directions[0])
 
+    def doubts(self, is_pressed: bool) -> list[str]:
+        """Lines on records: their notes, and largest accelerations that pull the mass away.
+
+        is_pressed: whether the mass is to press on the beam, as for a snap from the first shape
+        """
+        lines = [f"{pulse.name}: {note}" for pulse in self.shapes.values() for note in pulse.notes]
+        for pulse in self.shapes.values():
+            pushed = Shocks(pulse, self.direction).pulses
+            if is_pressed and pulse.is_record and max(each.highest for each in pushed) < 1:
+                other = next(way for way in DIRECTIONS if way not in self.directions)
+                lines.append(
+                    f"{pulse.name}: its largest acceleration pulls the mass away from the beam; "
+                    f"if its sensor was mounted upside down, write direction: {other}"
+                )
+        return lines
+
     def own_frequency(self) -> float:
         """Return 1/duration, Hz, of shocks that last equally long; else ValueError, one line."""
         durations = {pulse.duration for pulse in self.shapes.values()}
@@ -81,14 +98,29 @@ class Shocks:
             raise ValueError("f0: missing; write frequencies in Hz, or a duration")
         return 1e6 / durations.pop()
 
-    def section(self) -> dict:
-        """Write the section `pulse` of a config, with units; {} for HANDOUT_SHOCK."""
-        several = isinstance(self.pulse, Mapping)
-        section = {"shape": [*self.shapes]} if several else _written(self.pulse.section)
-        section = {} if section == {"shape": VERSED_SINE} else section
+    def values(self) -> dict:
+        """Write what `make_shocks` reads, in internal units; {} for HANDOUT_SHOCK."""
+        sections = {name: dict(pulse.section) for name, pulse in self.shapes.items()}
+        values = sections if isinstance(self.pulse, Mapping) else dict(self.pulse.section)
+        if values is sections and all(name in SHAPES for name in sections):
+            shares = sections.get("trapezoid", {})
+            values = {**shares, "shape": [*sections]}
+        values = {} if values == {"shape": VERSED_SINE} else values
         if self.direction != "+z":
             both = self.directions == tuple(DIRECTIONS)
-            section["direction"] = "both" if both else self.direction
+            values["direction"] = "both" if both else self.direction
+        return values
+
+    @property
+    def files(self) -> dict[str, str]:
+        """SHA-256 of each record that was read with one, by path."""
+        sections = [pulse.section for pulse in self.shapes.values()]
+        return {each["file"]: each["sha256"] for each in sections if "sha256" in each}
+
+    def section(self) -> dict:
+        """Write the section `pulse` of a config, with units; {} for HANDOUT_SHOCK."""
+        section = _written(self.values())
+        section.pop("sha256", None)
         return {"pulse": section} if section else {}
 
 
@@ -105,6 +137,8 @@ def _pulses(value):
         return {pulse.name: pulse for pulse in pulses}
     if isinstance(value, Mapping) and value and not value.keys() & SECTION:
         return {str(name): _pulse(section) for name, section in value.items()}
+    if isinstance(value, Mapping) and isinstance(value.get("shape"), list):
+        return {form["shape"]: _pulse(form) for form in each_form(value)}
     return _pulse(value)
 
 
@@ -126,13 +160,27 @@ Pulses = Annotated[str | Pulse | Mapping | Sequence, _PULSES]
 Directions = Annotated[str | Sequence[str], _DIRECTIONS]
 
 
+def each_form(section: Mapping) -> list[dict]:
+    """Give each shape of a section with its shares; without one a versed sine."""
+    shares = {key: section[key] for key in SHARES if key in section}
+    names = section.get("shape", VERSED_SINE)
+    names = names if isinstance(names, list) else [names]
+    # Shares belong to the trapezoid; without one the first shape refuses them.
+    bearer = "trapezoid" if "trapezoid" in names else names[0]
+    return [{"shape": name} | (shares if name == bearer else {}) for name in names]
+
+
 def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
     """Make shocks of `pulse` and `direction`; ValueError, one line.
 
     pulse: name of a shape; a `Pulse`; a mapping as the section `pulse` of a config, in internal
         units, such as {"train": ...}; or several as an axis, in a list or by names
-    direction: "+z", "-z", several, or "both"
+    direction: "+z", "-z", several, or "both"; that of the mapping if it has one
     """
+    if isinstance(pulse, Mapping) and "direction" in pulse:
+        pulse, direction = dict(pulse), pulse["direction"]
+        del pulse["direction"]
+    pulse = VERSED_SINE if pulse == {} else pulse
     try:
         pulse = _PULSES.take(pulse)
     except ValueError as error:
@@ -148,6 +196,9 @@ def _pulse(section):
         return make_pulse(section)
     if not isinstance(section, Mapping):
         raise _PULSES.refuse(section)
+    if "file" in section:
+        with at_key("file"):
+            return read_pulse(section["file"], section.get("sha256", ""))
     for key, make in MAKERS.items():
         if [*section] == [key]:
             return make(section[key])
@@ -157,7 +208,7 @@ def _pulse(section):
 def _written(section):
     """Write a section of a pulse, or a value in it, as in a config: with units."""
     if isinstance(section, list | tuple):
-        return [*map(_written, section)]
+        return type(section)(map(_written, section))
     if not isinstance(section, Mapping):
         return section
     written = {key: _written(value) for key, value in section.items()}

@@ -12,7 +12,7 @@ from ..values.faults import at_key
 from ..values.kinds import Fitting, Whole
 from ..values.quantities import Height, PulseTime, single
 from ..values.records import build, record, told
-from .pulse import Form, G, Pulse
+from .pulse import Form, G, Pulse, ShapeName
 
 # ASSUME: a blow that ends with a jump returns to 0 along a line, in this share of its duration.
 JOIN = 0.01
@@ -40,6 +40,9 @@ Rebound = Annotated[float, single("a plain number", "", "0.3", "[0, 0.99]")]
 class Blow(Form):
     """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
 
+    shape: ShapeName | None = None
+    """how the acceleration goes over time; a versed sine, or for a requirement as in `pulse`, if
+    left out"""
     _: KW_ONLY
     N: Peak = 1.0
     """peak relative to other blows, below 0 for the other direction"""
@@ -65,6 +68,9 @@ class Blow(Form):
 class Drop(Form):
     """A free fall, its blow, and the rebounds."""
 
+    shape: ShapeName | None = None
+    """how the acceleration of a blow goes over time; a versed sine, or for a requirement as in
+    `pulse`, if left out"""
     _: KW_ONLY
     height: Height
     """height of the free fall"""

@@ -154,8 +154,7 @@ def _survey(device, chosen, start):
     static = np.asarray(static_threshold(device, back=start != FIRST))
     if laws := chosen.laws:
         # No finer model judges a kernel's thresholds, so they are found in finer steps.
-        step = 1.0 if chosen.name == "reference" else FINE_STEPS
-        return _of_laws(build_model(device, chosen).with_step(step), laws, static)
+        return _of_laws(build_model(device, chosen).with_step(FINE_STEPS), laws, static)
     levels = choose_model(device, chosen if isinstance(chosen, Auto) else Auto(), start)
     coarse, middle, fine = levels.base, levels.check, levels.top
     finest = fine.with_step(FINE_STEPS)

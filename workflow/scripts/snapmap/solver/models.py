@@ -22,7 +22,7 @@ from ..values.kinds import Number
 from ..values.records import told
 from .cells import Cells, Observations, no_observations
 from .law_tables import Tables, tabulate, well_as_mode
-from .laws import Laws, announce, well_of
+from .laws import Laws, well_of
 from .options import Chosen, Cosines, Elements, Reference
 from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
@@ -90,8 +90,6 @@ class Model:
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
-        if self.laws and loop == "plain_loop":
-            announce("laws", self.laws, 10)
         return import_module(f".{loop}", __package__)
 
     def split(self, device: np.ndarray) -> list[tuple[np.ndarray, "Model"]]:
@@ -277,14 +275,12 @@ def _build(device, chosen, is_free):
         # ASSUME: a beam whose force is a law moves as its first cosine, which gives its mass.
         saddle, second, energy = well_of(force, device.beam.rise)
         first, ones = barrier.first, 0.0 * barrier.first + 1.0
-        modal = modal._replace(residual=0.0 * modal.residual)
-        if name != "reference":
-            modal = well_as_mode(modal, force, second)
+        modal = well_as_mode(modal._replace(residual=0.0 * modal.residual), force, second)
         barrier = Barrier(energy * ones, -saddle * ones, first - second, first)
     steps = (explicit_steps if name == "reference" else steps_of)(device, modal)
-    if force and name != "reference":
+    if force:
         steps = steps.of_one_mode()
-    tables = tabulate(laws, device, modal) if laws and name != "reference" else None
+    tables = tabulate(laws, device, modal) if laws else None
     return Model(name, device, basis, modal, barrier, steps, laws, tables)
 
 
@@ -296,15 +292,14 @@ def require_fitting(device: Device, chosen: Chosen) -> None:
             "or the model elements"
         )
     if laws := chosen.laws:
-        sizes, kernel = {*told(chosen)} - {"laws", "name"}, chosen.name != "reference"
-        law_meets_stops = laws.contact or (laws.force and kernel)
+        sizes, law_meets_stops = {*told(chosen)} - {"laws", "name"}, laws.contact or laws.force
         for key, refused in {
             f"model.{min(sizes, default='')}:": laws.force and sizes,
             "device.contact: hard": (laws.contact or laws.force) and np.isinf(device.contact),
             "device.stop_toward:": law_meets_stops and np.isfinite(device.stop_toward),
             "device.stop_away:": law_meets_stops and np.isfinite(device.stop_away),
             "device.contact_at:": device.has_electrode,
-            "device.strength:": np.isfinite(device.strength) & (bool(laws.force) or not kernel),
+            "device.strength:": np.isfinite(device.strength) & bool(laws.force),
             "device.mass: none": device.is_alone,
         }.items():
             if np.any(refused):

@@ -132,11 +132,3 @@ def beam_loss(system: System, velocity: np.ndarray, product: np.ndarray) -> floa
     """Return the power that the beam's own damping takes, pJ/us; product: room, (n,)."""
     multiply(system.inertia, velocity, product)
     return system.beam_damping * dot(velocity, product)
-
-
-@compiled
-def mobility(system: System) -> float:
-    """Return the acceleration of the midpoint by a force of 1 uN on it, um/us^2."""
-    acceleration = np.empty(system.start.size)
-    multiply(system.inverse_inertia, system.midpoint, acceleration)
-    return dot(system.midpoint, acceleration)

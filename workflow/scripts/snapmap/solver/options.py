@@ -11,7 +11,7 @@ from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
 from ..values.records import build, record, told
 from ..values.units import OF_DAMPER
-from .laws import UNIT, Law, Laws, UserLaws, compile_laws
+from .laws import UNIT, UserLaws
 
 TOLERANCE = 1e-3
 """Default relative error of a threshold that `auto` may make; its usual steps make as much."""
@@ -88,51 +88,10 @@ class Reference:
 
     elements: Count = 5
     """number of elements on the half beam"""
-    laws: UserLaws | None = None
-    """laws in place of the device's own forces: a Python file, or functions by name"""
     name: Literal["reference"] = "reference"
     """the model"""
 
-
-def reference(
-    damping: Law | None = None,
-    contact: Law | None = None,
-    force: Law | None = None,
-) -> Reference:
-    """Make a model `reference` with your own laws, for sweep, threshold and simulate.
-
-    Numba compiles the laws, functions of floats in um and us; docs/own-physics.md describes them.
-
-    Parameters
-    ----------
-    damping
-        Function (C, velocity, place) that returns the drag on the mass, uN; by default C velocity.
-    contact
-        Function (stiffness, overlap) that returns the force between mass and beam, uN; by default
-        stiffness times overlap.
-    force
-        Function (displacement) that returns the force that holds the midpoint, uN; by default that
-        of the beam.
-
-    Returns
-    -------
-    Reference
-        The model, for `Study(device, model=...)`.
-
-    Raises
-    ------
-    ValueError
-        One line: numba cannot compile a law, or there is no law.
-
-    Examples
-    --------
-    >>> device = snapmap.load_device("config/config.yaml")
-    >>> cubic = snapmap.reference(damping=lambda C, velocity, place: C * velocity**3)
-    >>> study = snapmap.Study(device, model=cubic, horizon=0)
-    >>> snapmap.words(snapmap.simulate(study, 1000, 1500, 25).outcome).item()
-    'snapped'
-    """
-    return Reference(laws=compile_laws({"damping": damping, "contact": contact, "force": force}))
+    laws = None
 
 
 Chosen = Auto | Cosines | Elements | Reference
@@ -144,7 +103,7 @@ PARTS = {"cosines": "modes", "elements": "elements"}
 class ModelKind(Kind):
     """A model: its name, a mapping of name and options, or a record."""
 
-    need = f"one of {', '.join(MODELS)}, as '3 cosines', or what reference makes"
+    need = f"one of {', '.join(MODELS)}, or a number with it, as '3 cosines'"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
@@ -155,10 +114,6 @@ class ModelKind(Kind):
         if not reading.written:
             if isinstance(value, Chosen):
                 return value
-            if isinstance(value, Laws):
-                return Reference(laws=value)
-            if callable(value) and not isinstance(value, type):
-                return reference(solver=value)
             if isinstance(value, str):
                 return self._of_name(value)
         raise self.refuse(value, reading)
@@ -183,11 +138,11 @@ class ModelKind(Kind):
             near = nearest(str(name), MODELS)
             hint = f"; did you mean {near}?" if near else ""
             wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{hint}"]
-        elif name == Auto.name and "laws" in value:
-            wrong = [".laws: auto takes none; write name: elements, or cosines"]
+        elif name in (Auto.name, Reference.name) and "laws" in value:
+            wrong = [f".laws: {name} takes none; write name: elements, or cosines"]
             value = {key: value[key] for key in value if key != "laws"}
         likely = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
-        made = likely if wrong and name != Auto.name else MODELS[name]
+        made = MODELS[name] if name in [*MODELS] else likely
         try:
             model = build(made, {**value, "name": made.name}, reading)
         except Faults as faults:

@@ -1,15 +1,11 @@
 """The handout's scheme to the letter: central differences in a plain loop."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..numerics import pieces as curve
 from ..numerics.kernels import compiled
 from ..numerics.linalg import apply
-from . import lawful_loop
 from .cells import Cells
-from .laws import Laws, of_user
 from .ledger import CellRun, bounced, entered, keep, opened, results
 from .nodal import (
     System,
@@ -93,25 +89,10 @@ def follow(system: System, run: CellRun) -> tuple[float, float, float]:
     return results(run, step, (system.side * w_mid, system.side * w_after), ledger, residual)
 
 
-def follower(laws: Laws | None) -> Callable:
-    """Return `follow`, or the loop of `lawful_loop` with the laws bound to it, if there are any."""
-    if laws is None:
-        return follow
-
-    def follow_by(*run):
-        with of_user(str(laws)):
-            return lawful_loop.follow(*run, laws.damping, laws.contact, laws.force)
-
-    return follow_by
-
-
 def starting(model, start: str) -> System:
     """Return the system of a model of a single device whose runs begin as `start` says."""
     nodes = apply(model.modal.shapes, model.rest(start)) if start == SECOND else None
-    system = nodal_system(model.device, model.basis, nodes)
-    if model.laws and model.laws.force:  # it includes bending
-        system = system._replace(bending=0.0 * system.bending)
-    return system
+    return nodal_system(model.device, model.basis, nodes)
 
 
 def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarray, ...]:
@@ -120,7 +101,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
     model: a `Model`; cells: `Cells`, each column (cells,); dt: us, (cells,)
     Returns columns as in `kernel.lanes.Facts`, of which wells and `lowest` are unknown.
     """
-    observed, follow_by = np.empty((3, cells.f0.size)), follower(model.laws)
+    observed = np.empty((3, cells.f0.size))
     for which in np.unique(cells.device):
         picked = model.pick(which)
         system = starting(picked, settings.start)
@@ -130,7 +111,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> tuple[np.ndarra
             steps = int(np.ceil(cells.t_end[i] / dt[i]))
             pulse = cells.pulses[cells.pulse[i]].curve
             load = pulse, cells.amplitude[i], cells.f0[i], cells.damping[i]
-            observed[:, i] = follow_by(system, CellRun(*load, target, dt[i], steps, no_history))
+            observed[:, i] = follow(system, CellRun(*load, target, dt[i], steps, no_history))
     t_snap, energy_error, pulse_work = observed
     no_well, unknown = np.zeros(t_snap.size, np.int8), np.full(t_snap.size, np.nan)
     return t_snap, unknown, no_well, energy_error, unknown, pulse_work, unknown

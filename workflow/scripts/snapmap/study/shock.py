@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+from ..numerics.statistics import CONFIDENCE
 from ..pulse.shocks import Directions, Pulses, Shocks
 from ..solver.settings import FIRST, STARTS
 from ..values.kinds import Word
-from ..values.quantities import Frequency, Positive, PulseTime, Truth
+from ..values.quantities import Frequency, Positive, PulseTime, Share, Truth
 from ..values.records import record
 from .axes import frequency_of, one_time
 from .study import ANY, ARRIVES, Study
@@ -24,6 +25,7 @@ class Shock:
     N: multiples of g; f0: Hz; shocks: shapes and directions, under each of which it counts
     snaps: true (the beam must arrive and stay), false, ARRIVES, or ANY
     survives: least probability that the beam must not break; start: as in `Run`
+    share: least share of a batch that must meet it, with this confidence; 0 if none is asked
     """
 
     name: str
@@ -33,6 +35,8 @@ class Shock:
     snaps: bool | str
     survives: float = 1.0
     start: str = FIRST
+    share: float = 0.0
+    confidence: float = CONFIDENCE
 
     def shaken(self, study: Study) -> Study:
         """Give a study under this shock, with its own pulses and start."""
@@ -61,6 +65,10 @@ class Requirement:
     """shape in which the beam rests at first"""
     survives: Truth = True
     """whether the beam must not break"""
+    share: Share | None = None
+    """least share of devices that must meet it"""
+    confidence: Share = CONFIDENCE
+    """how sure that share must be"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
@@ -83,4 +91,6 @@ def take_shock(asked: Requirement, shocks: Shocks, start: str = FIRST) -> Shock:
         snaps=asked.snaps,
         survives=float(asked.survives),
         start=asked.start or start,
+        share=asked.share or 0.0,
+        confidence=asked.confidence,
     )

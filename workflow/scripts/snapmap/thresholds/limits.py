@@ -5,7 +5,7 @@ import numpy as np
 from ..solver.settings import FIRST
 from ..study.axes import Grid, rows_of
 from .search import Search
-from .slow import growth_rate, slow_factor
+from .slow import fall, growth_rate, is_slow, slow_factor
 from .survey import lowest
 from .verified import initial_rows, off_surfaces, surfaces
 
@@ -95,14 +95,14 @@ def _spread(grid, values, sizes):
 def slow_law(search: Search, grid: Grid) -> dict[str, tuple]:
     """Give `dwell` and `N_slow`, the law of slow pulses, with their dimensions."""
     models, rows = search.models, search.rows
-    of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis]).T
+    of_C = growth_rate(grid.device, grid.axes["C"][:, np.newaxis], models.static).T
     of_C = np.nan * of_C if models.lawful or search.settings.start != FIRST else of_C
     rate = np.where((grid.device_of >= 0)[..., np.newaxis], of_C[grid.device_of], np.nan)
     C = np.arange(of_C.shape[1])[:, np.newaxis]
     swings = 1e6 * of_C[rows.device.reshape(grid.shape), C].ravel() / rows.f0
-    factor = np.full(swings.shape, np.nan)
+    factor, falls = np.full(swings.shape, np.nan), fall(grid.device, models.static)[rows.device]
     for number, pulse in enumerate(rows.pulses):
-        which = (rows.pulse == number) & (rows.device >= 0) & np.isfinite(swings)
+        which = (rows.pulse == number) & (rows.device >= 0) & is_slow(pulse, swings, falls)
         factor[which] = slow_factor(pulse, swings[which])
     N = factor * models.static[rows.device]
     of_device = tuple(grid.axes)[: grid.device_of.ndim]

@@ -33,8 +33,6 @@ MOST_ROWS = 0.9
 """Share of the rows in which a level must keep the tolerance of `auto`."""
 LADDER = ("base", 4.0), ("check", 4.0), ("base", 2.0), ("check", 2.0), ("check", 1.0), ("top", 1.0)
 """Levels of `auto` with the factors on their time steps, from the cheapest run to the dearest."""
-FOLLOWED, FEWEST = 256, 32
-"""Most cells that are followed for their stress, and the fewest samples, whatever their cells."""
 
 
 class Choice(NamedTuple):
@@ -148,19 +146,18 @@ class Batch:
             count += label(runs, settings.energy_tolerance) == LATCHED
         return count
 
-    def stresses(self, study: Study, requirements: Sequence[Shock], C: np.ndarray) -> np.ndarray:
-        """Find the largest stress, MPa, in the first bistable samples, (shocks, samples, C)."""
-        size = min(self.size, max(FEWEST, FOLLOWED // (len(requirements) * len(C))))
-        device, stress = self.model.device.pick(np.arange(size)), []
-        N = np.repeat(self.factors["N"][:size], len(C))[:, np.newaxis]
-        for required in requirements:
-            part = required.shaken(study)
-            rows = to_rows(0, required.f0, C, 0, required.shocks.pulses)
-            rows = self._rows(rows).take(slice(N.size))
-            cells = rows.cells(device, required.N * N, part.run.horizon).flat()
-            largest = largest_stress(device, part.model, cells, part.run)
-            stress.append(largest.reshape(size, len(C)))
-        return np.array(stress)
+    def stresses(self, study: Study, required: Shock, C: np.ndarray) -> np.ndarray:
+        """Find the largest stress, MPa, in bistable samples under each of a requirement's shocks.
+
+        Returns the largest of them, (samples, C).
+        """
+        part, pulses = required.shaken(study), required.shocks.pulses
+        pulse = np.arange(len(pulses))[:, np.newaxis]
+        rows = self._rows(to_rows(0, required.f0, C, pulse, pulses))
+        N = np.repeat(required.N * self.factors["N"], rows.f0.size // self.size)[:, np.newaxis]
+        cells = rows.cells(self.model.device, N, part.run.horizon).flat()
+        stress = largest_stress(self.model.device, part.model, cells, part.run)
+        return stress.reshape(self.size, len(pulses), len(C)).max(axis=1)
 
     def _rows(self, rows):
         """Repeat rows for all bistable samples, raveled from (samples, rows)."""

@@ -1,14 +1,10 @@
 """Values of a device estimated from measured shots.  Imports: core alone."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ...pulse.shocks import Shocks
 from ..application import Application, Config, Figures, Files
-
-if TYPE_CHECKING:
-    from ...pulse.pulse import Pulse
 
 
 class Calibration(Application):
@@ -33,11 +29,12 @@ class Calibration(Application):
         """The table of shots, and the recorded shocks that it names."""
         return study.requests["calibration"].files if study.requests["calibration"] else {}
 
-    def records(self, study: Config) -> list[tuple[Pulse, float]]:
+    def records(self, study: Config) -> list[tuple[Shocks, float, str]]:
         """Recorded shocks among the shots."""
         asked = study.requests["calibration"]
         groups = asked.shots.groups if asked else ()
-        return [(group.pulse, group.f0) for group in groups if "file" in group.pulse.section]
+        recorded = [group for group in groups if "file" in group.pulse.section]
+        return [(Shocks(group.pulse), group.f0, study.start) for group in recorded]
 
     def refuse(self, study: Config) -> None:
         """Raise ValueError, one line, for shots that no device of the ranges can give."""

@@ -7,8 +7,7 @@ from typing import Annotated
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import PchipInterpolator
-from scipy.special import log_ndtr
+from scipy.special import log_ndtr, logsumexp
 
 from ...files.text import plain
 from ...study.arguments import SingleStudy
@@ -19,7 +18,16 @@ from ...values.kinds import Fitting, kind_of
 from ...values.quantities import Damper, ExistingPath
 from ...values.records import ByKeys
 from ...values.units import OF_DAMPER, plain_numbers
-from .likelihood import SPREADS, Likelihood, Profile, information_at, reach
+from .likelihood import (
+    CONFIDENCE,
+    PRIOR,
+    SPREADS,
+    Likelihood,
+    Profile,
+    exp,
+    information_at,
+    reach,
+)
 from .sections import UnknownsSection
 from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, log_thresholds, surface_of
@@ -28,8 +36,7 @@ DIGITS = 6
 """Significant digits of fitted values; SciPy's last digits differ between machines."""
 INSIDE = 300
 """Approximate number of places in the intervals at which `_spreads` sums the likelihood."""
-FINE, LEAST_LOG = 2001, -100.0
-"""Places on which a likelihood is interpolated, and the logarithm in place of that of 0."""
+TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 NEAR = 2.0
 """Shots of which none is within this factor of a threshold do not tell anything of the device."""
 
@@ -139,7 +146,7 @@ def fit(shots: Shots, surface: Surface, unit_of_C: str = OF_DAMPER) -> xr.Datase
         key: ("unknown", _rounded(surface.values(place)), unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()
     }
-    spreads = _spreads(likelihood, surface, low, high, freedom)
+    spreads = _spreads(likelihood, surface, low, high)
     data["spread"] = "bound", _rounded(spreads)
     spread = spreads[0]
     covariance, slopes = information_at(profile.best, surface, likelihood, spread)
@@ -160,7 +167,7 @@ def fit(shots: Shots, surface: Surface, unit_of_C: str = OF_DAMPER) -> xr.Datase
         "threshold": _rounded(np.exp(logs)[group]),
         "threshold_low": _rounded(np.exp(logs - half)[group]),
         "threshold_high": _rounded(np.exp(logs + half)[group]),
-        "probability": _rounded(np.exp(log_ndtr(z))),
+        "probability": _rounded(exp(log_ndtr(z))),
         "residual": _rounded(sign * np.sqrt(-2 * log_ndtr(sign * z))),
     }
     data |= {key: ("shot", values) for key, values in columns.items()}
@@ -168,8 +175,8 @@ def fit(shots: Shots, surface: Surface, unit_of_C: str = OF_DAMPER) -> xr.Datase
     return xr.Dataset(data | {"model_error": _rounded(surface.error.max())}, named)
 
 
-def _spreads(likelihood, surface, low, high, freedom):
-    """Mean of the spread, and the ends of its interval at 95 %, (3,).
+def _spreads(likelihood, surface, low, high):
+    """Median of the spread after the shots, and the ends of its interval at 95 %, (3,).
 
     low, high: intervals of the unknowns as shares of their ranges, (unknowns,)
     """
@@ -177,19 +184,10 @@ def _spreads(likelihood, surface, low, high, freedom):
     low, high = np.clip([low - half, high + half], 0.0, 1.0)
     size = round(INSIDE ** (1 / len(low)))
     mesh = np.meshgrid(*np.linspace(low, high, size).T, indexing="ij")
-    logs = likelihood.of(surface.at(np.stack(mesh, axis=-1).reshape(-1, len(low))))
-    likely = np.exp(logs - logs.max()).sum(axis=0)
-    mean = np.average(SPREADS, weights=likely * SPREADS)
-    return np.array([mean, *np.exp(_ends(np.log(SPREADS), likely, freedom))])
-
-
-def _ends(x, likelihood, freedom):
-    """Ends of the interval at 95 % of a likelihood known at x, (n,)."""
-    fine = np.linspace(x[0], x[-1], FINE)
-    with np.errstate(divide="ignore"):
-        logs = np.maximum(np.log(likelihood / likelihood.max()), LEAST_LOG)
-    log = PchipInterpolator(x, logs)(fine)
-    return fine[log >= log.max() - reach(freedom) ** 2 / 2][[0, -1]]
+    logs = likelihood.of(surface.at(np.stack(mesh, axis=-1).reshape(-1, len(low)))) + PRIOR
+    weights = exp(logsumexp(logs, axis=0) - logsumexp(logs))
+    below = np.cumsum(weights) - weights / 2
+    return np.exp(np.interp([0.5, *TAILS], below, np.log(SPREADS)))
 
 
 def summary(fitted: xr.Dataset) -> str:

@@ -13,19 +13,18 @@ from ...beam.modal import natural_frequency
 from ...device.device import Beam
 from ...device.samples import Tolerances
 from ...files.text import DASH, leaves, plain, table
-from ...numerics.statistics import percents, scope
 from ...solver.options import section_of
 from ...solver.outcome import REPEATED_STEP
 from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
-from ...thresholds.slow import growth_rate
+from ...thresholds.slow import first_obstacle, growth_rate, slow_up_to
 from ...values.units import OF_DAMPER
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
-from ..requirements.summary import LEVELS
-from ..requirements.verdict import Verdict, at_corner, must_text
+from ..requirements.verdict import Verdict, at_corner
 from ..statics.statics import statics_of
+from .parts import OUTSIDE, left_out, of_batch, required_shocks
 
 UNITS = {
     "toward_max": ("travel of the mass towards the beam", "um"),
@@ -35,9 +34,6 @@ UNITS = {
 }
 """Words and unit of each of `Extremes`."""
 OF_LAWS = "not known under model.laws"
-OUTSIDE = "outside any package: not valid"
-"""Mark of results in which the mass travels beyond FARTHEST rises on a side without a stop."""
-PICTURE = "![margins of the requirements](figures/requirements.png)\n"
 
 
 def datasheet(
@@ -56,19 +52,13 @@ def datasheet(
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
-    of_C = f"C, {unit}"
-    head = ["requirement", "shock", "at, degC", of_C, "required", "threshold"]
-    head += ["of devices as made", "threshold over required", "the beam", "verdict"]
-    head += ["strength over stress", "breaks"]
     written = source.get("devices") or {"device": source["device"]}
     verdicts = [replace(verdict, C=verdict.C / size) for verdict in verdicts]
     made = made if made is None else made.assign_coords(C=made.C / size)
     for name, device in study.devices().items():
         of_device = [verdict for verdict in verdicts if not several or verdict.device == name]
+        of_device = sorted(of_device, key=attrgetter("badness"), reverse=True)
         batch = made.sel(device=name) if made is not None and several else made
-        rows = sorted(of_device, key=lambda verdict: verdict.badness, reverse=True)
-        names = [*dict.fromkeys(verdict.requirement for verdict in rows)]
-        rows.sort(key=lambda verdict: names.index(verdict.requirement))
         heading = " of ".join(
             filter(None, ["# Data sheet", source.get("title"), name if several else ""])
         )
@@ -77,20 +67,17 @@ def datasheet(
         sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
-        of_N = f"{plain(device.gravity * 1e6)} m/s^2"
-        of_N = f"{device.force:g} uN on the midpoint" if device.force else of_N
-        words = f"Required shocks, worst first; amplitudes are multiples of {of_N}:\n"
-        sheets += [words, table(head, (_cells(verdict, batch) for verdict in rows)), PICTURE]
+        sheets += required_shocks(device, of_device, f"C, {unit}")
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
             largest = table(["what", "value", "error", "under"], largest)
             sheets += ["Largest under these shocks:\n", largest]
         for application in attached().values():
-            sheets += application.in_datasheet(study, rows)
-        if batch is not None and "yield" in batch:
-            words = f"Share of {batch.sizes['sample']} devices as made, with bounds at 95 %:\n"
-            sheets += [words, table(["share", of_C, "value", "bounds"], _shares(batch))]
-    return "\n".join(sheets)
+            sheets += application.in_datasheet(study, of_device)
+        sheets += of_batch(batch, study.shocks, f"C, {unit}") if batch is not None else []
+        sheets += left_out(device)
+    blank = table(["checked by", "date", "signature"], [[" ", " ", " "]])
+    return "\n".join([*sheets, blank])
 
 
 def _device(study, device, written):
@@ -133,13 +120,15 @@ def _at_rest(device, laws, verdicts, damper):
     if not device.is_alone:
         frequency = f"{1e3 * device.mass_frequency / (2 * np.pi):.5g} kHz"
         yield ["frequency of the mass on its spring", frequency]
-    slow = f"{static_threshold(device):.5g}; faster shocks may need less"
+    static = static_threshold(device)
+    slow = f"{static:.5g}; faster shocks may need less"
     yield ["N above which a slow shock snaps it", OF_LAWS if laws else slow]
     unit, size = damper
     for C in sorted({verdict.C for verdict in verdicts}) if not laws else ():
-        dwell = 2 / growth_rate(device, C * size)
-        unknown = "not known: the law of slow shocks does not hold here"
-        text = f"{dwell:.4g} us, to first order" if np.isfinite(dwell) else unknown
+        dwell = 2 / growth_rate(device, C * size, static)
+        text = f"{dwell:.4g} us, for shocks up to N = {slow_up_to(device, static):.5g}"
+        if obstacle := first_obstacle(device, static):
+            text = f"not known: {obstacle}"
         yield [f"time that the slow shock must stay above it, C = {C:g} {unit}", text]
 
 
@@ -172,44 +161,6 @@ def reset_force(beam: Beam) -> tuple[float, float]:
     return float(force), float(abs(force - least_back(half)))
 
 
-def _cells(verdict, made):
-    """Cells of a verdict, with the scatter of thresholds of devices as made."""
-    name, spread = verdict.requirement, DASH
-    if made is not None and name in made.get("requirement", ()):
-        first = made.N_first_required.sel(requirement=name).sel(C=verdict.C, method="nearest")
-        share = (first.std(ddof=1) / first.mean()).item()
-        if share > 0:
-            error = share / np.sqrt(2 * first.count().item())  # of normally distributed thresholds
-            spread = f"± {plain(100 * share, 2)} % (± {plain(100 * error, 1)} %)"
-    level, threshold, margin = LEVELS.get(verdict.shape, ""), "nothing snaps", DASH
-    required = plain(verdict.N, 5) + level
-    if np.isfinite(verdict.scale):
-        required += f" ({plain(verdict.scale)} of the record)"
-    if np.isfinite(verdict.N_first):
-        threshold = f"{verdict.N_first:.5g} ± {plain(verdict.N_error, 2)}"
-        threshold += level
-        if np.isfinite(verdict.scale_first):
-            threshold += f" ({plain(verdict.scale_first)} of the record)"
-        margin = f"{plain(verdict.margin)} ± {plain(verdict.margin_error, 1)}"
-    breaks = [DASH, DASH]
-    if np.isfinite(verdict.strength_margin):
-        values = verdict.strength_margin, verdict.break_probability
-        breaks = [plain(value, 3) if np.isfinite(value) else DASH for value in values]
-    return [
-        must_text(name, verdict.must_snap),
-        verdict.shock,
-        plain(verdict.temperature),
-        f"{verdict.C:g}",
-        required,
-        threshold,
-        spread,
-        margin,
-        verdict.end_text,
-        verdict.verdict + (f"; {OUTSIDE}" if verdict.travel_over_rise > FARTHEST else ""),
-        *breaks,
-    ]
-
-
 def _largest(study, requirements, verdicts, size):
     """Rows of `UNITS`: the largest value under all required shocks, its difference to another step
     as its error, and the corner.
@@ -232,14 +183,3 @@ def _largest(study, requirements, verdicts, size):
         text = f"{plain(value)} {unit}" + (f"; {OUTSIDE}" if is_outside else "")
         where = f"{worst.requirement}, {worst.corner}"
         yield [words, text, f"{plain(abs(value - other), 1)} {unit}", where]
-
-
-def _shares(made):
-    """Rows of the shares of devices as made that meet all, and that break, at each C."""
-    words = {"yield": f"meet all{scope(made['yield'])}", "share_breaking": "break under"}
-    for key in filter(made.data_vars.__contains__, words):
-        for place in np.ndindex(made[key].shape):
-            at = made[[key, f"{key}_bound"]].isel(dict(zip(made[key].dims, place, strict=True)))
-            under = [at.requirement.item()] if "requirement" in at.coords else []
-            bounds = percents(*at[f"{key}_bound"].values)
-            yield [" ".join([words[key], *under]), f"{at.C.item():g}", percents(at[key]), bounds]

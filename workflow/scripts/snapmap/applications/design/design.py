@@ -9,14 +9,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...device.device import VALUES, Device, batch
-from ...device.samples import nominal_value
+from ...device.device import VALUES
 from ...files.text import plain
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy
 from ...study.axes import KIND_OF, attributes_of, frequencies, unit_on
 from ...study.shock import Shock, take_shock
-from ...study.study import ANY, Study
+from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 from ...values.arguments import Reading
@@ -27,16 +26,6 @@ POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""
 PARTS = 512
 """Number of parts of an interval of the grid; an answer is refined to one part."""
-
-CHANGED = {
-    "mass": ("mass", "lighter", "heavier"),
-    "spring": ("spring", "softer", "stiffer"),
-    "thickness": ("beam", "thinner", "thicker"),
-}
-"""Values that `remedy` changes, one at a time, with a noun and words for less and more."""
-BEYOND, MOST, STEPS = 0.05, 2.0, 4
-"""`remedy` aims beyond the required N by BEYOND and changes a value by MOST at most, both natural
-logarithms, in STEPS secant steps."""
 
 
 class Design(NamedTuple):
@@ -155,41 +144,6 @@ def _single_shocks(requirements):
             where = f", {shocks.pulse.name} {shocks.direction}" if len(several) > 1 else ""
             singles.append(replace(required, name=required.name + where, shocks=shocks))
     return singles
-
-
-def with_value(device: Device, value: str, number: float) -> Device:
-    """Return the device with one value, by name, changed to a number."""
-    return batch([device]).vary({value: np.array([number])}).pick(0)
-
-
-def remedy(study: Study, goal: Shock, C: float, N_first: float) -> list[tuple[str, str, float]]:
-    """Find changes of one value that bring a threshold to the right side of a required N.
-
-    study: of one device, under the shock; N_first: the device's threshold
-    Returns words, name and number of each change that works, as a simulation confirms; secants of
-    logarithms find them.
-    """
-    nominal = {key: nominal_value(study.device, key) for key in CHANGED}
-    nominal = {key: value for key, value in nominal.items() if value > 0}
-    way = -1 if goal.snaps else 1
-    N, shift = np.log(goal.N) + way * BEYOND, np.full(len(nominal), 2 * BEYOND)
-    for _ in range(STEPS):
-        factors = np.exp(np.where(np.eye(shift.size), shift, 0.0))
-        values = {key: nominal[key] * row for key, row in zip(nominal, factors, strict=True)}
-        first, error, _ = thresholds_at(study, values, goal.f0, C)
-        met = way * (first - goal.N) > error
-        if met.all():
-            break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            nearer = shift * (N - np.log(N_first)) / np.log(first / N_first)
-        shift = np.where(met | ~np.isfinite(nearer), shift, np.clip(nearer, -MOST, MOST))
-    changes = []
-    for key, by, is_met in zip(nominal, shift, met, strict=True):
-        name, less, more = CHANGED[key]
-        words = f"a {name} {abs(np.expm1(by)):.0%} {more if by > 0 else less}"
-        if is_met:
-            changes.append((words, key, nominal[key] * float(np.exp(by))))
-    return changes
 
 
 def _threshold_finder(study, value, C, goals) -> Callable:

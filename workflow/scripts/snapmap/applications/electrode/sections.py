@@ -39,6 +39,9 @@ class ClosingSection(ShockSection):
             more = ", and no start" if self.start == SECOND else ""
             need = f"write snaps: true or any{more}"
             raise ValueError(f"{next(iter(self.demands))}: needs a device that must trip; {need}")
+        if self.share:
+            line = f"share: not known of {next(iter(self.demands))}; leave one of them out"
+            raise ValueError(line)
         super().__post_init__()
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:

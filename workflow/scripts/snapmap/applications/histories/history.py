@@ -264,8 +264,6 @@ def _observe(device, first, form, stress, motion, built):
     stored = contact**2 / (2 * stiffness)
     if tables and tables.contact[0]:
         stored, contact = look_up(tables.values[tables.contact[0]], tables.reach[0], overlap)
-    elif laws and laws.contact:
-        contact = np.array([laws.contact(device.contact, s) for s in overlap.tolist()])
     axial_force = -device.beam.axial_stiffness * motion.stretch
     rest = math.nan if device.is_alone else first + device.gap
     kinetic = dot(velocity, multiply(velocity, form.inertia)) / 2
@@ -284,7 +282,6 @@ def _observe(device, first, form, stress, motion, built):
     }
     of_beam = "axial_force", "stress", "bending_energy", "axial_energy"
     unknown = of_beam if laws and laws.force else ()
-    unknown += ("contact_energy",) if laws and laws.contact and not tables else ()
     return values | {key: values[key] + math.nan for key in unknown}
 
 

@@ -14,7 +14,7 @@ from ...solver.kernel.trace import keep_block
 from ...solver.lane_laws import raise_error
 from ...solver.ledger import CellRun
 from ...solver.models import Model
-from ...solver.plain_loop import follower, starting
+from ...solver.plain_loop import follow, starting
 from ...solver.settings import FIRST
 from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
 
@@ -126,7 +126,7 @@ def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
     system, n = starting(model, start), model.basis.load.size
     history = np.zeros((steps, 2 * n + 4))
     run = CellRun(pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
-    follower(model.laws)(system, run)
+    follow(system, run)
     form = Form(
         inertia=system.inertia,
         bending=system.bending,

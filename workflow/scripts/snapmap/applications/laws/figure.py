@@ -44,13 +44,15 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
     if not style.note_missing(top, laws.N_first, NONE_KNOWN):
         top.set_ylim(laws.N_first.min().item() / 1.2, laws.N_first.max().item() * 1.2)
     delays = np.concatenate([laws[key].values.ravel() for key in DELAYS])
-    style.note_missing(below, delays, "the law of the dwell time does not hold here")
+    obstacle = laws.dwell.attrs["missing_as"]
+    style.note_missing(below, delays, obstacle)
     below.set(xlabel=top.get_xlabel(), yscale="log", ylabel="delay per factor e (µs)")
     top.set_xlabel("")
     for ax in (top, below):
         scales.tick(ax.yaxis, *ax.get_ylim())
     place = scales.place_text(laws, captions.PAGE)
-    words = "\n".join(filter(None, [place, captions.case(laws.attrs)]))
+    missing = obstacle and f"no law of slow shocks: {obstacle}"
+    words = "\n".join(filter(None, [place, captions.case(laws.attrs), missing]))
     style.legend(figure, [*curves.line_keys(laws, "C"), *keys], words, 3)
 
 

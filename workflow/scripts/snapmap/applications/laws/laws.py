@@ -5,6 +5,7 @@ import xarray as xr
 
 from ...beam.basis import Basis
 from ...beam.equilibria import saddle_and_second, shapes_of
+from ...beam.limit_loads import static_threshold
 from ...beam.modal import unit_beams
 from ...device.device import Beam
 from ...files.text import plain
@@ -12,11 +13,12 @@ from ...numerics.linalg import apply, dot, eigh, outer
 from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
+from ...solver.settings import FIRST
 from ...study.axes import Grid
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.probe import Probe, lowest_snap
-from ...thresholds.slow import HOLDS
+from ...thresholds.slow import HOLDS, first_obstacle
 
 LN_10 = 2.302585092994046
 ABOVE, EXACT = geometric(1e-4, 1e-8, 9), 1e-10
@@ -41,7 +43,17 @@ def laws_of(study: Study, grid: Grid, thresholds: xr.Dataset) -> xr.Dataset:
     rates = saddle_rates(beam := device.pick(0).beam, shapes_of(beam))
     snaps = ("C", "f0"), _snap_scales(study, device, grid.pulses[0], thresholds)
     laws = laws.assign(saddle_scale=("saddle", 1 / rates), snap_scale=snaps)
+    laws.dwell.attrs["missing_as"] = _obstacle(study, device.pick(0))
     return dress("laws", laws, study.document(OF_THRESHOLDS))
+
+
+def _obstacle(study, device):
+    """Say why there is no law of slow shocks; empty if there is one."""
+    if study.model.laws:
+        return "a law of the user's own acts"
+    if study.start != FIRST:
+        return "runs begin in the second shape"
+    return first_obstacle(device, static_threshold(device))
 
 
 def saddle_rates(beam: Beam, basis: Basis) -> np.ndarray:
@@ -86,7 +98,8 @@ def summary(laws: xr.Dataset) -> str:
     keys, laws = ("N_static", "dwell", "velocity_change"), laws.isel(C=0, saddle=0)
     numbers = (laws[key].item() for key in (*keys, "saddle_scale"))
     N, dwell, v, delay = (plain(number) if np.isfinite(number) else "" for number in numbers)
-    lasts = f" for longer than {dwell} us" if dwell else ", how long is not known"
+    unknown = f", how long is not known: {laws.dwell.attrs['missing_as']}"
+    lasts = f" for longer than {dwell} us" if dwell else unknown
     parts = [
         f"a slow shock trips it above N = {N}{lasts}" if N else "no law of slow shocks holds",
         f"a short one trips it by {v} m/s" if v else "no law of short shocks holds",

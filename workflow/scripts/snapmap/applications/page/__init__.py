@@ -25,7 +25,7 @@ class Page(Application):
             for shocks in marks
             for name, f0, N, pushed in shocks
         ]
-        shown = {"title": study.title, "pulse": study.shock, "written": study.written}
+        shown = {"title": study.title, "pulse": study.shocks.values(), "written": study.written}
         shown |= {"horizon": study.horizon, "required": required}
         return {"explore": shown | {"own_points": list(study.own_points)}}
 

@@ -18,11 +18,10 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ...config.devices import read_device
 from ...config.points import Point
-from ...config.shocks import shocks_of
 from ...device.device import STOPS, VALUES
 from ...figures import captions, plane, scales, states
 from ...files.text import leaves
-from ...pulse.shocks import HANDOUT_SHOCK
+from ...pulse.shocks import make_shocks
 from ...solver.outcome import OUTCOMES
 from ...solver.settings import FIRST, SECOND, STARTS
 from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
@@ -187,7 +186,7 @@ def _simulation(cells, document, pulse):
     """Data with which the page follows shocks."""
     axes = {key: cells[key].values for key in cells.outcome.dims}
     names = {key: axes.pop(key).tolist() for key in NAMES if key in axes}
-    shocks = shocks_of(pulse) if pulse else HANDOUT_SHOCK
+    shocks = make_shocks(pulse)
     devices = {name: read_device(section) for name, section in _devices(document).items()}
     device = devices.get("", devices)
     study = Study(device, pulse=shocks.pulse, direction=shocks.direction, skip=True).part(names)

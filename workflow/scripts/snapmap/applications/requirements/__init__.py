@@ -1,4 +1,4 @@
-"""Shocks that must or must not trip a device.  Imports: histories, design."""
+"""Shocks that must or must not trip a device.  Imports: histories."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from ..application import Application, Config, Figures, Files, Mark
 
 if TYPE_CHECKING:
-    from ...pulse.pulse import Pulse
+    from ...pulse.shocks import Shocks
     from .required import RequiredShock
 
 
@@ -52,8 +52,8 @@ class Requirements(Application):
 
     def files(self, study: Config) -> Mapping[str, str]:
         """Recorded shocks among the requirements."""
-        pulses = [shock.pulse for shock in shocks_of(study)]
-        return {pulse["file"]: pulse["sha256"] for pulse in pulses if "file" in pulse}
+        named = [shock.shocks.files for shock in shocks_of(study)]
+        return {path: sha256 for files in named for path, sha256 in files.items()}
 
     def doubts(self, study: Config) -> list[str]:
         """Lines about amplitudes that are hardly meant."""
@@ -61,10 +61,10 @@ class Requirements(Application):
 
         return unusual_runs(N=[shock.N for shock in shocks_of(study)])
 
-    def records(self, study: Config) -> list[tuple[Pulse, float]]:
+    def records(self, study: Config) -> list[tuple[Shocks, float, str]]:
         """Recorded shocks among the requirements."""
-        recorded = [shock for shock in shocks_of(study) if "file" in shock.pulse]
-        return [(pulse, shock.f0) for shock in recorded for pulse in shock.shocks.shapes.values()]
+        recorded = [shock for shock in shocks_of(study) if shock.shocks.files]
+        return [(shock.shocks, shock.f0, shock.start) for shock in recorded]
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""
@@ -94,16 +94,25 @@ class Requirements(Application):
             "tolerance": study.threshold_tolerance,
         }
 
-    def run(self, study: Config, path: str) -> None:
+    def inputs(self, study: Config) -> Files:
+        """Devices as made, if values scatter."""
+        return {"tolerance": "results/tolerance.nc"} if study.requests.get("tolerances") else {}
+
+    def run(self, study: Config, path: str, tolerance_path: str = "") -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
+        from ...study.netcdf import open_whole
+        from .shares import with_shares
         from .summary import sum_up
         from .verdict import write_verdicts
 
         study, requirements = study.of_thresholds(), study.requests["requirements"]
         C = study.axes["C"].tolist()
         verdicts = [verdict for required in requirements for verdict in required.check(study, C)]
+        if tolerance_path:
+            with open_whole(tolerance_path) as made:
+                verdicts = with_shares(verdicts, shocks_of(study), made)
         write_verdicts(verdicts, path)
-        print(f"{path}: {sum_up(study, requirements, verdicts)}")
+        print(f"{path}: {sum_up(verdicts)}")
 
     def figures(self, study: Config) -> Figures:
         """The margins of all requirements."""

@@ -95,6 +95,7 @@ def _verdicts(study, name, required, C, tolerance):
             verdict=verdict,
             scale=N * over,
             scale_first=first * over,
+            drop=shocks.pulse.words if "drop" in shocks.pulse.section else "",
             start=settings.start,
             end=end,
             share_staying=share,

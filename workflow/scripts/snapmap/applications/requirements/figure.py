@@ -20,7 +20,8 @@ VERDICTS = {
 }
 OTHER = {"color": "0.4", "marker": ".", "linestyle": "", "markersize": 3}
 """Corners that are not the worst."""
-MET = {"color": "0.93", "linewidth": 0}
+WRONG = {"color": "0.9", "linewidth": 0, "label": "threshold on the wrong side"}
+"""Where a requirement fails, in all figures."""
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 
@@ -32,13 +33,13 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
     The factor is the threshold over the required N, or the inverse where the shock must trip: above
-    1 the threshold is where it should be.
+    1 the threshold is where it should be. The label has the share of devices as made that meet it.
     """
     groups = sorted(corners(verdicts), key=lambda group: group[0].badness, reverse=True)
     known = [factor for factor in map(_factor, verdicts) if factor == factor]
     low, high = min([*known, 0.8]) / BEYOND, max([*known, 1.25]) * BEYOND
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
-    ax.axvspan(1, high, **MET)
+    ax.axvspan(low, 1, **WRONG)
     for place, (worst, *others) in enumerate(groups):
         note = {"va": "center", "fontsize": 6}
         margin, *of_others = margins = [_factor(each) for each in (worst, *others)]
@@ -51,6 +52,8 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
         words = [worst.end_text] if worst.must_snap in (True, ARRIVES) else []
         if worst.breaks:
             words.append("the beam breaks")
+        if worst.share_text:
+            words.append(f"met by {worst.share_text}")
         first, last = np.fmin.reduce([high, *margins]), np.fmax.reduce([low, *margins])
         is_right = high / last >= first / low
         beside, side = (last, "left") if is_right else (first, "right")
@@ -67,7 +70,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
     keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
-    style.legend(ax, [*keys, Patch(**MET, label="threshold on the right side")])
+    style.legend(ax, [*keys, Patch(**WRONG)])
     return ax
 
 
@@ -79,10 +82,5 @@ def _factor(verdict):
 def _name(verdict, unit):
     shock = f"{verdict.shock.replace('-', '−')}, {number(verdict.temperature)} °C"
     where = [verdict.device, shock, value_text("C", verdict.C, unit)]
-    name = required_text(verdict.requirement, verdict.must_snap)
+    name = must_text(captions.literal(verdict.requirement), verdict.must_snap)
     return f"{name}\n{', '.join(filter(None, where))}"
-
-
-def required_text(name: str, must_snap: bool | str) -> str:
-    """Write a requirement's name and what the device must do, for a figure."""
-    return must_text(captions.literal(name), must_snap)

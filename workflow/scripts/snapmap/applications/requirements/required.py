@@ -1,6 +1,6 @@
 """Requirements of a study, objects that check themselves."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, Protocol
 
@@ -35,11 +35,9 @@ class Required(Protocol):
 class RequiredShock(Shock):
     """A required shock of a config.
 
-    pulse: section of its pulse, in internal units, with the SHA-256 of a record
     more: a word for what its kind demands beside trip and survival; empty for nothing
     """
 
-    pulse: Mapping[str, Any]
     more: ClassVar[str] = ""
 
     def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
@@ -66,5 +64,5 @@ class RequiredShock(Shock):
         study.under(self.shocks)  # a force shakes no frame
 
     def plain(self) -> dict[str, Any]:
-        """All values but the shocks, which follow from `pulse`."""
-        return {key: value for key, value in asdict(self).items() if key != "shocks"}
+        """All values, the shocks as they are written."""
+        return asdict(self) | {"shocks": self.shocks.values()}

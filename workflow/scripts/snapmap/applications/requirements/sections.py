@@ -5,9 +5,11 @@ from dataclasses import KW_ONLY
 from typing import Annotated, Any, ClassVar
 
 from ...config.kinds import Title
-from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, shocks_of
+from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes
 from ...config.study import require_start
 from ...files.text import show
+from ...numerics.statistics import CONFIDENCE
+from ...pulse.shocks import each_form
 from ...solver.settings import FIRST
 from ...study.axes import frequency_of, one_time
 from ...study.shock import Snaps, Start
@@ -16,7 +18,7 @@ from ...values.arguments import Reading
 from ...values.faults import at_key
 from ...values.kinds import Kind, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
-from ...values.records import build, record
+from ...values.records import build, record, told
 from ..application import Config
 from .required import Required, RequiredShock
 
@@ -66,6 +68,10 @@ class ShockSection(PulseSection):
     only for a moment; `any`: either is right"""
     survives: Survives = SURVIVES
     """least probability that the beam does not break; true is 99.9 %, false is 0"""
+    share: Share | None = None
+    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %"""
+    confidence: Share = CONFIDENCE
+    """confidence that the share must be known with"""
     f0: Frequency | None = None
     """1/duration of the shock; required, or `duration`, or a shock with its own"""
     duration: PulseTime | None = None
@@ -98,14 +104,7 @@ class ShockSection(PulseSection):
         pulse: section of the study, whose shape and direction hold unless this section has its own
         gravity: of its devices, um/us^2, the unit of N
         """
-        values = self.values()
-        if self.shape is None and not any(getattr(self, key) for key in TIMED):
-            values = self._inherited(pulse) | values
-        values["direction"] = self.direction or (pulse and pulse.direction) or "+z"
-        try:
-            shocks = shocks_of(values)
-        except ValueError as error:
-            raise ValueError(str(error).removeprefix("pulse")) from None
+        shocks = self.shocks_from(self._inheriting(pulse))
         if self.N is None and self.drop is None:
             raise ValueError(f".N: missing; write {kind_of(Amplitude).asks}")
         f0 = self.f0 if self.duration is None else frequency_of(self.duration)
@@ -116,20 +115,42 @@ class ShockSection(PulseSection):
             shocks=shocks,
             snaps=self.snaps,
             survives=self.survives,
+            share=self.share or 0.0,
+            confidence=self.confidence,
             start=self.start,
-            pulse=values,
         )
 
-    @staticmethod
-    def _inherited(pulse):
-        """Values of the study's pulse, in internal units; ValueError if it sets its duration."""
-        values = pulse.values() if pulse else {}
-        if timed := next((name for name in TIMED if name in values), None):
+    def _inheriting(self, pulse):
+        """Values of its pulse; shape, shares and direction that it lacks are those of the study's.
+
+        So are those of a drop, and of the blows of a train.
+        """
+        own, of_study = self.of_pulse(), pulse.of_pulse() if pulse else {}
+        direction = {"direction": own.pop("direction", of_study.get("direction", "+z"))}
+        timed = next((name for name in TIMED if name in of_study), "")
+        if self.drop or self.train:
+            forms = each_form(told(of_study["drop"]) if timed == "drop" else of_study)
+            return self._of_blows(forms) | direction
+        if "shape" in own or "file" in own:
+            return own | direction
+        if timed:
             raise ValueError(
                 f".shape: missing, as the study's {timed} sets its own duration; write a "
                 f"shape such as half sine, or the {timed}"
             )
-        return values
+        return of_study | own | direction
+
+    def _of_blows(self, forms):
+        """Drop or train, whose blows without a shape have the one of the study; forms: all."""
+        key, blows = ("drop", [self.drop]) if self.drop else ("train", self.train)
+        lack = [blow.duration is not None and blow.shape is None for blow in blows]
+        if any(lack) and len(forms) > 1:
+            raise ValueError(f".{key}: shape missing, as the study has several; write one of them")
+        whole = [
+            (forms[0] if lacks else {}) | told(blow)
+            for blow, lacks in zip(blows, lack, strict=True)
+        ]
+        return {key: whole[0] if self.drop else whole}
 
 
 class RequirementKind(Kind):

@@ -3,12 +3,14 @@
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 
 from ...files.atomic import replacing
 from ...files.text import plain
+from ...numerics.statistics import percents
 from ...solver.settings import FIRST, SECOND
 from ...study.shock import Shock
 from ...study.study import ANY, SNAPS, Study
@@ -33,6 +35,7 @@ class Verdict:
     margin, margin_error: N_first and its error bar over N; NaN where nothing snaps
     verdict: MET, VIOLATED, or UNCLEAR if N is within the error bar
     scale, scale_first: N and N_first as factors of a recorded shock
+    drop: height, shape, duration and rebounds in words; empty for other shocks
     start: as in `Run`
     end: how the required shock ends, in the runs near N that arrive: STAYS if all stay, DIFFERS if
         some do, else RETURNS or OPEN; NO_ARRIVAL at N itself, or NOT_FOLLOWED
@@ -42,6 +45,9 @@ class Verdict:
     strength_margin: strength over the largest stress; of a Weibull distribution the strength at
         which 63 % break
     break_probability: probability that it breaks; 0 or 1 if the strength is a number
+    share, share_low, share_high: share of devices as made that meet the requirement at this C, and
+        its bounds; share_asked: least share, which then decides the verdict
+    devices: number of devices as made that would decide it, if it is UNCLEAR for their share
     more: what a requirement of another kind adds, by name
     """
 
@@ -63,6 +69,7 @@ class Verdict:
     verdict: str
     scale: float = np.nan
     scale_first: float = np.nan
+    drop: str = ""
     start: str = FIRST
     end: str = NOT_FOLLOWED
     share_staying: float = np.nan
@@ -75,6 +82,11 @@ class Verdict:
     must_survive: float = np.nan
     strength_margin: float = np.nan
     break_probability: float = np.nan
+    share: float = np.nan
+    share_low: float = np.nan
+    share_high: float = np.nan
+    share_asked: float = np.nan
+    devices: float = np.nan
     more: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -107,8 +119,10 @@ class Verdict:
     @property
     def shock(self) -> str:
         """The shock in words: shape, direction, duration, and the shape in which it begins."""
-        lasts = f", {plain(self.duration)} ms" if np.isfinite(self.duration) else ""
         start = ", from the second shape" if self.start == SECOND else ""
+        if self.drop:
+            return f"{self.drop}, {self.direction}{start}"
+        lasts = f", {plain(self.duration)} ms" if np.isfinite(self.duration) else ""
         return f"{self.shape} {self.direction}{lasts}{start}"
 
     @property
@@ -116,6 +130,24 @@ class Verdict:
         """Device, shock, C and temperature in words."""
         where = f"{self.shock}, C = {plain(self.C)}, {plain(self.temperature)} degC"
         return ", ".join(filter(None, [self.device, where]))
+
+    @property
+    def verdict_text(self) -> str:
+        """The verdict, and of whom if values scatter but no share is asked for."""
+        is_nominal = np.isfinite(self.share) and np.isnan(self.share_asked)
+        return self.verdict + (" by the nominal device" if is_nominal else "")
+
+    @property
+    def share_text(self) -> str:
+        """The share of devices as made that meet it, in words; "" if it is not known."""
+        if np.isnan(self.share):
+            return ""
+        words = f"{percents(self.share)} ({percents(self.share_low, self.share_high)})"
+        if np.isfinite(self.share_asked):
+            words += f", asked {plain(100 * self.share_asked)} %"
+        if np.isfinite(self.devices):
+            words += f", {self.devices:.0f} devices would decide"
+        return words
 
     @property
     def end_text(self) -> str:
@@ -148,16 +180,13 @@ def read_verdicts(path: str | Path) -> list[Verdict]:
 
 
 def _read_verdict(row):
-    known, more = {}, {}
     kinds = {each.name: each.type for each in fields(Verdict)}
-    for name, word in row.items():
-        if name == "must_snap":
-            known[name] = {"True": True, "False": False}.get(word, word)
-        elif kinds.get(name) is str:
-            known[name] = word
-        else:
-            (known if name in kinds else more)[name] = float(word or "nan")
-    return Verdict(**known, more=more)
+    words = {name: word for name, word in row.items() if kinds.get(name) is str}
+    must = {"True": True, "False": False}.get(row["must_snap"], row["must_snap"])
+    others = row.keys() - words.keys() - {"must_snap"}
+    numbers = {name: float(row[name] or "nan") for name in row if name in others}
+    more = {name: numbers.pop(name) for name in [*numbers] if name not in kinds}
+    return Verdict(**words, **numbers, must_snap=must, more=more)
 
 
 def corners(verdicts: Sequence[Verdict]) -> list[list[Verdict]]:
@@ -165,10 +194,7 @@ def corners(verdicts: Sequence[Verdict]) -> list[list[Verdict]]:
     groups: dict[tuple, list[Verdict]] = {}
     for verdict in verdicts:
         groups.setdefault((verdict.requirement, verdict.device, verdict.C), []).append(verdict)
-    return [
-        sorted(group, key=lambda verdict: verdict.badness, reverse=True)
-        for group in groups.values()
-    ]
+    return [sorted(group, key=attrgetter("badness"), reverse=True) for group in groups.values()]
 
 
 def each_device(study: Study, temperatures: Sequence[float] = ()) -> Iterator[tuple[str, Study]]:

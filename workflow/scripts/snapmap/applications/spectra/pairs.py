@@ -1,10 +1,13 @@
 """The points of a spectrum: pairs of a frequency and a level."""
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...files.text import describe, show
+from ...files.text import describe
+from ...pulse.pulse import G
 from ...values.faults import Faults, few
 from ...values.kinds import CONFIG, Kind, kind_of
 from ...values.quantities import Frequency, single
@@ -12,21 +15,27 @@ from ...values.units import is_plain, plain_numbers
 
 LEAST = 2
 """Least number of points."""
+MS2 = 1e-6 / G
+LEVELS = {"g": 1.0, "gn": 1.0, "m/s^2": MS2}
+DENSITIES = {"g^2/Hz": 1.0, "g2/Hz": 1.0, "gn^2/Hz": 1.0}
+DENSITIES |= dict.fromkeys(("(m/s^2)^2/Hz", "m^2/s^4/Hz", "m^2/s^3"), MS2 * MS2)
+"""Factors to multiples of standard gravity, and to their squares in 1 Hz, by unit."""
+_LEVEL = re.compile(r"(\S*[\d.]) *([gm(].*)")
 
 
 @dataclass(frozen=True)
 class Points(Kind):
-    """Points of a spectrum, which ascend; levels have a unit that only text has."""
+    """Points of a spectrum, which ascend; levels are numbers in the first of the units, or text."""
 
     noun: str
-    unit: str
+    units: Mapping[str, float]
     example: str
     type = list[tuple[float, float]]
 
     @property
     def need(self) -> str:  # type: ignore[override]
         """What is right in Python, in words that follow "is not"."""
-        of = f"Hz and {'multiples of g' if self.unit == 'g' else self.unit}"
+        of = "Hz and multiples of g" if "g" in self.units else "Hz and g^2/Hz"
         return f"two pairs or more of {of}, above 0 and ascending, such as {self.example}"
 
     @property
@@ -37,7 +46,7 @@ class Points(Kind):
     def take(self, value: object) -> np.ndarray:
         """Convert pairs to an array, (points, 2)."""
         if isinstance(value, list | tuple) and all(_is_pair(item) for item in value):
-            value = [[kind_of(Frequency).take(f), self._level(level)] for f, level in value]
+            value = [[kind_of(Frequency).take(f), self._taken(level)] for f, level in value]
         points = plain_numbers(value)
         if points is None or points.ndim != 2 or points.shape[1] != 2 or len(points) < LEAST:
             raise self.refuse(value)
@@ -71,17 +80,21 @@ class Points(Kind):
         pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
         return {"type": "array", "items": pair, "minItems": LEAST}
 
+    def _taken(self, level):
+        """Take a number, or text with a unit."""
+        kind = single(f"a {self.noun}")
+        return self._level(level) if isinstance(level, str) else kind.take(level)
+
     def _level(self, value):
-        """Convert a level, a number or text with the unit."""
-        number, _, written = str(value).strip().partition(" ")
-        is_text = isinstance(value, str)
-        if is_text and (written.replace("²", "^2").replace("**", "^") != self.unit):
-            raise ValueError(
-                f"{show(value)} is not a {self.noun}; write one such as '1 {self.unit}'"
-            )
-        if is_text and not is_plain(number):
-            raise ValueError(f"{show(value)} is not a {self.noun}")
-        return single(f"a {self.noun}").take(float(number) if is_text else value)
+        """Convert text with a unit."""
+        match = _LEVEL.fullmatch(value.strip()) if isinstance(value, str) else None
+        number, unit = match.groups() if match else ("", "")
+        unit = unit.replace("**", "^").replace("²", "^2").replace(" ", "")
+        if not is_plain(number) or unit not in self.units:
+            lacks = "has no unit" if is_plain(value) else "is not a number with a unit"
+            such = ", ".join(self.units)
+            raise ValueError(f"{describe(value)} {lacks}; write a {self.noun} in one of {such}")
+        return float(number) * self.units[unit]
 
 
 def _is_pair(item):

@@ -9,7 +9,7 @@ import numpy as np
 from ...pulse.pulse import Pulse, straight
 from ...values.kinds import Whole
 from ...values.quantities import Value
-from .pairs import Points
+from .pairs import DENSITIES, Points
 
 REACH = 0.01
 """Default probability of a snap within the duration of the vibration."""
@@ -21,7 +21,7 @@ PER_PERIOD = 16
 MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
-Density = Annotated[Value, Points("density", "g^2/Hz", "[(20, 0.04), (2000, 0.04)]")]
+Density = Annotated[Value, Points("density", DENSITIES, "[(20, 0.04), (2000, 0.04)]")]
 Records = Annotated[int, Whole(1, 10_000)]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 from ...values.quantities import Value
-from .pairs import Points
+from .pairs import LEVELS, Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
@@ -68,7 +68,7 @@ def frequencies(points: Sequence[Sequence[float]]) -> np.ndarray:
     return np.append(f[f < high * (1 - 1e-9)], high)
 
 
-Levels = Annotated[Value, Points("level", "g", "[(500, 700), (2000, 1500)]")]
+Levels = Annotated[Value, Points("level", LEVELS, "[(500, 700), (2000, 1500)]")]
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:

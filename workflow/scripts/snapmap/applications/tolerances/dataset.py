@@ -20,12 +20,12 @@ from ...device.samples import (
 )
 from ...files.text import plain
 from ...numerics.portable import geometric
-from ...numerics.statistics import percents, scope, wilson
+from ...numerics.statistics import CONFIDENCE, DECIMALS, percents, scope, share_bounds
 from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Requirements
 from ...study.axes import NAMES, attributes_of, frequencies
 from ...study.shock import Shock, take_shock
-from ...study.study import ARRIVES, OF_THRESHOLDS, SNAPS, Study
+from ...study.study import ANY, ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Seed
@@ -33,6 +33,8 @@ from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantile_bounds, quantiles
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
+ALL = 0.999
+"""Share that snaps at the all-fire level, if no requirement asks for another."""
 AMPLITUDES = 101
 """Default number of values of N, from the lowest to the highest threshold."""
 
@@ -81,8 +83,9 @@ def tolerance(
     together
         Groups of names, as [["span", "rise"]]; a single draw moves each group.
     requirements
-        Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction, start
-        and survives (whether the beam must not break).
+        Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction, start,
+        survives (whether the beam must not break), share and confidence (what share of devices
+        must meet it).
 
     Returns
     -------
@@ -179,6 +182,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
         "N_std": (tuple(groups), std),
         "N_quantile": (("quantile", *groups), quantiles(first, QUANTILES)),
         "N_quantile_bound": (("bound", "quantile", *groups), quantile_bounds(first, QUANTILES)),
+        **_fire(first, tuple(groups), requirements, tolerance),
         "ragged": (tuple(groups), ragged.reshape(shape).astype(np.int8)),
         "sensitivity": (("order", "value", *groups), sobol[:, 0]),
         "sensitivity_bound": (
@@ -217,10 +221,26 @@ def _amplitudes(N, first):
     return np.append(below, high)  # `geometric` may round the last digit of the end
 
 
-def _share(name, count, size, dims):
-    """A share of samples with its bounds."""
-    bounds = ("bound", *dims), np.stack(wilson(count, size))
-    return {name: (dims, count / size), f"{name}_bound": bounds}
+def _fire(first, dims, requirements, tolerance):
+    """The levels of no-fire and all-fire, of the largest share that a requirement asks for."""
+    asked = [(required.share, required.confidence) for required in requirements if required.share]
+    share, confidence = max(asked, default=(ALL, CONFIDENCE))
+    low, high = quantile_bounds(first, [round(1 - share, DECIMALS), share], confidence)
+    attrs = {"share": share, "confidence": confidence}
+    # A threshold is the upper end of a step.
+    return {
+        "N_no_fire": (dims, low[0] / (1 + tolerance), attrs),
+        "N_all_fire": (dims, high[1], attrs),
+    }
+
+
+def _share(name, count, size, dims, unsure=0.0, confidence=CONFIDENCE):
+    """A share of samples with its bounds; unsure: how many may count or not, beside the count."""
+    low, high = (share_bounds(each, size, confidence) for each in (count, count + unsure))
+    return {
+        name: (dims, (count + unsure / 2) / size),
+        f"{name}_bound": (("bound", *dims), np.stack([low[0], high[1]])),
+    }
 
 
 def _requirements(batches, study, requirements, C, tolerance):
@@ -228,7 +248,7 @@ def _requirements(batches, study, requirements, C, tolerance):
 
     batches: the same samples at each temperature
     A sample must meet a requirement at all temperatures and under all its shocks; the threshold is
-    the worst of them.
+    the worst of them. One within the tolerance of N possibly meets it.
     """
     first, meets = [], []
     for required in requirements:
@@ -236,52 +256,48 @@ def _requirements(batches, study, requirements, C, tolerance):
         for batch, shocks in product(batches, required.shocks.each()):
             rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
-            met.append(batch.meets(required, rows, settings))
+            surely = batch.meets(required, rows, settings)
+            is_close = abs(levels[-1] / required.N - 1) <= tolerance * (required.snaps != ANY)
+            met.append([surely & ~is_close, surely | is_close])
         # NaN, where nothing snaps, is above every N.
         worst = np.maximum if required.snaps in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))
         meets.append(np.all(met, axis=0))
-    meets, along = np.array(meets), ("requirement", "C")
-    must = [SNAPS[required.snaps] for required in requirements]
     data = {
         "N_first_required": (("requirement", "sample", "C"), np.array(first)),
         "N_required": ("requirement", np.array([required.N for required in requirements], float)),
         "f0_required": ("requirement", np.array([required.f0 for required in requirements], float)),
-        "must_snap": ("requirement", np.array(must, np.int8)),
+        "must_snap": (
+            "requirement",
+            np.array([SNAPS[each.snaps] for each in requirements], np.int8),
+        ),
     }
-    data |= _share("share_meeting", meets.sum(axis=1), meets.shape[1], along)
-    weight = meets.all(axis=0).astype(float)  # probability that a sample meets all
+    # Probabilities that a sample surely and possibly meets each, and all.
+    each, along = np.moveaxis(np.array(meets, float), 1, 0), ("requirement", "C")
+    every = each.prod(axis=1)
     if study.device.strength < np.inf and all(batch.size for batch in batches):
-        largest = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
-        followed = np.flatnonzero(np.isfinite(largest).all(axis=(0, 2)))
-        stress = largest[:, followed]
-        data["stress_max"] = ("requirement", "sample", "C"), largest
-        broken = break_probability(study.device, stress).sum(axis=1)
-        data |= _share("share_breaking", broken, followed.size, along)
-        survives = [required.survives > 0 for required in requirements]
-        most = stress[survives].max(axis=0, initial=0.0)
-        weight[followed] *= 1 - break_probability(study.device, most)
-        weight = weight[: followed.max(initial=-1) + 1]
-    return data | _share("yield", weight.sum(axis=0), len(weight), ("C",))
+        stress = np.maximum.reduce([_stresses(batch, study, requirements, C) for batch in batches])
+        data["stress_max"] = ("requirement", "sample", "C"), stress
+        broken = np.nan_to_num(break_probability(study.device, stress))
+        count = np.isfinite(stress[0, :, 0]).sum()
+        data |= _share("share_breaking", broken.sum(axis=1), count, along)
+        broken[[not required.survives for required in requirements]] = 0.0
+        each, every = each * (1 - broken), every * (1 - broken.max(axis=0))
+    (least, most), size = each.sum(axis=2), each.shape[2]
+    confidence = np.array([[required.confidence] for required in requirements])
+    data |= _share("share_meeting", least, size, along, most - least, confidence)
+    least, most = every.sum(axis=1)
+    return data | _share("yield", least, size, ("C",), most - least)
 
 
 def _stresses(batch, study, requirements, C):
     """The largest stress under each requirement, MPa, (requirements, samples, C).
 
-    It is NaN for samples that are not followed.
+    It is NaN for samples without a second shape.
     """
-    singles = [
-        replace(required, shocks=shocks)
-        for required in requirements
-        for shocks in required.shocks.each()
-    ]
-    stress = batch.stresses(study, singles, C)
     largest = np.full((len(requirements), batch.bistable.size, len(C)), np.nan)
-    followed = np.flatnonzero(batch.bistable)[: stress.shape[1]]
-    begin = 0
     for row, required in zip(largest, requirements, strict=True):
-        end = begin + len(required.shocks.pulses)
-        row[followed], begin = stress[begin:end].max(axis=0), end
+        row[batch.bistable] = batch.stresses(study, required, C)
     return largest
 
 

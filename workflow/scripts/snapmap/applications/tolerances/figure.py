@@ -13,10 +13,13 @@ from matplotlib.colors import ListedColormap
 
 from ...figures import captions, scales, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
+from ...files.text import plain
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
-from ..requirements.figure import required_text
+from ..requirements.figure import WRONG
+from ..requirements.shares import missing_fire
+from ..requirements.verdict import must_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Dashes of the lines at which these shares of devices snap."""
@@ -35,7 +38,9 @@ NAME = 24
 """Characters in a line of a requirement's name beside its shares."""
 ROOM = 0.05
 """Margin of an axis over the range of its data."""
-FAILS = {"color": "0.9", "linewidth": 0, "label": "threshold on the wrong side"}
+FIRE = {"color": "#009e73", "linewidth": 1.0, "linestyle": (0, (4, 1.5))}
+"""Look of the levels of no-fire and all-fire."""
+BOUNDS = {"color": "#56b4e9", "alpha": 0.5, "linewidth": 0, "label": "bounds at 95 %"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
 """Most panels side by side, panels in a figure, and lines; of more, some are evenly chosen."""
 ROW, FLAT = 2.6, 1.7
@@ -88,15 +93,19 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
-    ax.set_title(scales.place_text(data))
+    few = missing_fire(data.N_all_fire, data.bistable.size)
+    words = f"all-fire {few}" if few else ""
+    ax.set_title(", ".join(filter(None, [scales.place_text(data), words])))
     style.note_missing(ax, data.probability, "no share of devices is known")
     f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
     if f0.values.size == 1:
         shares = data.squeeze("f0")
         bounds = shares.probability_bound.transpose("bound", "N").values
-        ax.fill_between(N.values, *bounds, color="0.8", linewidth=0, label="bounds at 95 %")
+        ax.fill_between(N.values, *bounds, **BOUNDS)
         ax.plot(N.values, shares.probability.values, color="black")
         ax.axvline(data.N_nominal.item(), **NOMINAL)
+        for key in ("N_no_fire", "N_all_fire"):
+            ax.axvline(data[key].item(), label=fire_words(data), **FIRE)
         if "latched" in data:
             look = {"color": LATCHED, "label": "share that stays snapped"}
             ax.plot(N.values, shares.latched.values, **look)
@@ -111,6 +120,8 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         line = data.N_quantile.sel(quantile=share).values
         ax.plot(f0.values, line, color="black", linestyle=dashes, label=SNAP[dashes])
     ax.plot(f0.values, data.N_nominal.values, **NOMINAL)
+    for key in ("N_no_fire", "N_all_fire"):
+        ax.plot(f0.values, data[key].values, label=fire_words(data), **FIRE)
     for share, face in STAYING.items() if "latched" in data else ():
         stay = (data.latched >= share).transpose("f0", "N").values
         above = np.logical_and.accumulate(stay[:, ::-1], axis=1)[:, ::-1]
@@ -118,6 +129,13 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         look = {"color": LATCHED, "markerfacecolor": face, **STAYS}
         ax.plot(f0.values, line, label=f"{100 * share:g} % latched at all $N$ above", **look)
     return ax
+
+
+def fire_words(data: xr.Dataset) -> str:
+    """Write what the levels of no-fire and all-fire are, for a legend."""
+    share, confidence = (data.N_all_fire.attrs[key] for key in ("share", "confidence"))
+    ends = f"{plain(100 * (1 - share))} and {plain(100 * share)} % snap"
+    return f"no-fire and all-fire: {ends}, sure at {plain(100 * confidence)} %"
 
 
 def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
@@ -169,12 +187,12 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     where = [scales.place_text(data)]
     if must != SNAPS[ANY]:
         where.append(f"met by {percents(data.share_meeting)}")
-        ax.axvspan(*((N, high) if must else (low, N)), **FAILS)
+        ax.axvspan(*((N, high) if must else (low, N)), **WRONG)
     style.note_missing(ax, known, "no device has a threshold")
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
-    ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
+    ax.set_title(f"{must_text(captions.literal(data.requirement.item()), must)}\n{words}")
     label = f"threshold $N$ ({captions.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from ...numerics.statistics import CONFIDENCE
+
 
 def count_below(N_first: np.ndarray, N: np.ndarray) -> np.ndarray:
     """Count the samples, (samples, ...), that are not above each N, (..., N); NaN is above all."""
@@ -19,15 +21,17 @@ def quantiles(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
     return ordered[np.maximum(places, 0)]
 
 
-def quantile_bounds(N_first: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Bound `quantiles` from below and above, (2, shares, ...), each bound alone at 95 %.
+def quantile_bounds(
+    N_first: np.ndarray, shares: np.ndarray, confidence: float = CONFIDENCE
+) -> np.ndarray:
+    """Bound `quantiles` from below and above, (2, shares, ...), each alone at a confidence.
 
     Order statistics give bounds for any distribution; NaN if there are too few samples.
     """
     from scipy.stats import binom  # half a second, for which no config that is read has to wait
 
     size, shares = len(N_first), np.asarray(shares)
-    least, most = binom.ppf([[0.05], [0.95]], size, shares).astype(int)
+    least, most = binom.ppf([[1 - confidence], [confidence]], size, shares).astype(int)
     ordered = np.sort(N_first, axis=0)
     ordered = np.concatenate([np.full_like(ordered[:1], np.nan), ordered, ordered[:1] * np.nan])
     return ordered[[least, most + 1]]

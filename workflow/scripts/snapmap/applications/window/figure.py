@@ -127,6 +127,8 @@ def _about(data, reserve):
     """The conditions of a window, requirements without a line in it, and error bars."""
     bar, off = (data.N_error / data.N_first).max(), data.reserve.attrs["off_between_points"]
     sure = f"error bars up to {percents(bar)}, between points up to {percents(off)} more"
+    if np.isnan(bar):
+        sure = "nothing snaps"
     if "yield" in data:
         sure += f", shares within {percents(abs(data.yield_bound - data['yield']).max())}"
     words = [scales.place_text(data)]

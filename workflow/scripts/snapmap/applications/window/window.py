@@ -8,7 +8,7 @@ import xarray as xr
 from ...beam.stress import break_probability
 from ...device.samples import Plan, Tolerances
 from ...files.text import plain
-from ...numerics.statistics import wilson
+from ...numerics.statistics import share_bounds
 from ...solver.cells import to_rows
 from ...solver.motion import largest_stress
 from ...study.axes import KIND_OF, TEMPERATURE, Units, rows_of
@@ -53,7 +53,10 @@ def window_of(
     if tolerances:
         count = _count_meeting(study, axes, requirements, tolerances)
         window["yield"] = design, count / tolerances.samples
-        window["yield_bound"] = ("bound", *design), np.stack(wilson(count, tolerances.samples))
+        window["yield_bound"] = (
+            ("bound", *design),
+            np.stack(share_bounds(count, tolerances.samples)),
+        )
         window = window.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
     temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
@@ -151,9 +154,13 @@ def summary(window: xr.Dataset, units: Units) -> str:
     words = f"thresholds on the right side of all requirements at {met.sum()} of {met.size} points"
     if not np.isfinite(least).any():
         return f"{words}; nothing else is known"
-    share = np.mean(least >= 1)
-    words += f", by interpolation on {share:.1%} of the plane; the widest margin, "
+    if not np.isfinite(window.N_first).any():
+        return f"{words}; nothing snaps at any"
+    words += f", by interpolation on {np.mean(least >= 1):.1%} of the plane; the widest margin, "
     best = np.unravel_index(np.nanargmax(least), least.shape)
+    if least[best] >= FAR:
+        far = np.mean(least >= FAR)
+        return f"{words}a factor over {FAR:g}, is that of {far:.1%} of the plane"
     where = []
     for key, place in zip(axes, best, strict=True):
         unit, size = units.get(key, (KIND_OF[key].unit, 1.0))
