@@ -44,12 +44,9 @@ def handout():
 @pytest.fixture
 def paper(monkeypatch):
     """The figures' own style, not laid out before a figure is drawn; a warning is a fault."""
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
-
     from snapmap.figures import style
 
-    engine = type("Idle", (ConstrainedLayoutEngine,), {"execute": lambda self, figure: None})()
-    monkeypatch.setattr(style, "engine_of", lambda figure: engine)
+    monkeypatch.setattr(style, "lay_out", lambda figure: figure.set_layout_engine("none"))
     with style.paper(), warnings.catch_warnings(action="error"):
         yield
 
@@ -59,5 +56,5 @@ def sketch(paper, monkeypatch):
     """As `paper`, with legends as they come: test_own_axes.py is on their size and place."""
     from snapmap.figures import style
 
-    plain = lambda where, parts, ncols, highest: where.legend(**parts)  # noqa: E731
-    monkeypatch.setattr(style, "_fitting_legend", plain)
+    plain = lambda figure, keys, ncols, given: figure.legend(handles=keys, **given)  # noqa: E731
+    monkeypatch.setattr(style, "_legend_below", plain)

@@ -22,18 +22,33 @@ DRAW = {
     "boundary": lambda ax: draw_damage_boundary(ax, make_found()),
     "field": lambda ax: thresholds.draw_threshold_map(ax, make_found(), "f0", "C"),
 }
-SETTINGS = {"default": {}, "serif": {"font.family": "serif", "font.size": 8}}
+SEABORN = {key: 12 for key in ("font.size", "axes.labelsize", "axes.titlesize")}
+SEABORN |= {f"{key}.labelsize": 11 for key in ("xtick", "ytick")} | {"legend.fontsize": 11}
+JOURNAL = {"font.family": "serif", "font.size": 8, "axes.prop_cycle": mpl.cycler(color="rgb")}
+PAGE, COLUMN = {"nrows": 2, "ncols": 2, "figsize": (7, 6)}, {"figsize": (3.4, 2.6)}
+LAYOUTS = {
+    "tight": ({}, COLUMN, lambda figure: figure.tight_layout()),
+    "adjusted": (JOURNAL, COLUMN, lambda figure: figure.subplots_adjust(0.2, 0.2, 0.75)),
+    "four": ({}, PAGE, lambda figure: figure.tight_layout()),
+    "constrained": (JOURNAL, PAGE | {"layout": "constrained"}, lambda figure: None),
+    "seaborn": (SEABORN, {"figsize": (6.4, 4.8)}, lambda figure: figure.tight_layout()),
+    "journal": (JOURNAL, COLUMN | {"layout": "constrained"}, lambda figure: None),
+}
+"""Settings, a user's own figure, and what they do with it after our plots."""
 
 
-def boxes(ax):
-    """The boxes in pixels of what lies around axes: labels, titles, names of ticks, legends."""
-    figure = ax.figure
-    figure.draw_without_rendering()
-    legends = [*figure.legends, *filter(None, [ax.get_legend()])]
-    (legend,) = [made.get_window_extent() for made in legends]
-    each = [ax, *ax.child_axes]
-    ticks = [axis.get_tightbbox() for own in each for axis in (own.xaxis, own.yaxis)]
-    return legend, [ax.title.get_window_extent(), *filter(None, ticks)]
+def drawn_texts(figure, monkeypatch):
+    """All texts that a figure draws, with their boxes in pixels."""
+    seen, draw = [], Text.draw
+
+    def note(self, renderer):
+        draw(self, renderer)
+        if self.get_visible() and self.get_text().strip():
+            seen.append((self, self.get_window_extent(renderer)))
+
+    monkeypatch.setattr(Text, "draw", note)
+    figure.canvas.draw()
+    return seen
 
 
 @pytest.fixture(autouse=True)
@@ -43,24 +58,50 @@ def closed():
         plt.close("all")
 
 
-@pytest.mark.parametrize("layout", [None, "constrained"])
-@pytest.mark.parametrize("settings", SETTINGS)
+@pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("name", DRAW)
-def test_a_figure_of_a_column_has_its_legend_beside_its_labels_and_nothing_cut_off(
-    name, settings, layout
-):
-    plt.rcParams.update(SETTINGS[settings])
+def test_in_a_users_own_layout_no_text_lies_over_another_or_is_cut_off(name, layout, monkeypatch):
+    """No letter is too small, and the legend is that of the axes, inside them."""
+    settings, made, adjust = LAYOUTS[layout]
+    plt.rcParams.update(settings)
     before = dict(plt.rcParams)
-    figure, ax = plt.subplots(figsize=(3.4, 2.6), layout=layout)
-    DRAW[name](ax)
-    legend, others = boxes(ax)
-    for box in (legend, *others):
-        assert box.x0 >= -0.5 and box.x1 <= figure.bbox.x1 + 0.5
-        assert box.y0 >= -0.5 and box.y1 <= figure.bbox.y1 + 0.5
-    assert legend.y1 <= min(box.y0 for box in others) + 0.5
-    assert ax.bbox.height > 0.15 * figure.bbox.height
-    assert dict(plt.rcParams) == before
-    assert ax.xaxis.label.get_family() == plt.rcParams["font.family"]
+    figure, axes = plt.subplots(**made)
+    engine = figure.get_layout_engine()
+    axes = np.ravel(axes).tolist()
+    for ax in axes:
+        DRAW[name](ax)
+    assert figure.get_layout_engine() is engine and dict(plt.rcParams) == before
+    adjust(figure)
+    texts = drawn_texts(figure, monkeypatch)
+    page = figure.bbox.padded(0.5)
+    for i, (text, box) in enumerate(texts):
+        assert page.contains(box.x0, box.y0) and page.contains(box.x1, box.y1), text
+        assert text.get_fontsize() >= style.SMALLEST, text
+        for other, beside in texts[:i]:
+            assert not box.padded(-1).overlaps(beside.padded(-1)), (text, other)
+    for ax in axes:
+        if legend := ax.get_legend():
+            box = legend.get_window_extent()
+            assert ax.bbox.contains(box.x0, box.y0) and ax.bbox.contains(box.x1, box.y1)
+    assert not figure.legends
+
+
+def test_a_legend_and_colours_are_as_asked_and_ours_whatever_the_users_cycle_is():
+    plt.rcParams.update(JOURNAL)
+    _, (left, right) = plt.subplots(1, 2)
+    snapmap.plot_outcome(CELLS, left, legend=False, colours={"snaps": "gold"})
+    assert left.get_legend() is None
+    assert mpl.colors.to_hex("gold") in [
+        mpl.colors.to_hex(c) for c in left.collections[0].cmap.colors
+    ]
+    ax = snapmap.plot_outcome(CELLS, right, legend={"loc": "lower left", "fontsize": 7})
+    assert ax.get_legend().get_texts()[0].get_fontsize() == 7
+    with pytest.raises(
+        ValueError, match="colours: 'snap' is none of the states does not snap, snaps"
+    ):
+        snapmap.plot_outcome(CELLS, colours={"snap": "gold"})
+    ax = thresholds.draw_thresholds(plt.subplots()[1], make_found())
+    assert {"black", style.VERMILION} <= {line.get_color() for line in ax.lines}
 
 
 @pytest.mark.parametrize("shows", ["snaps", "times"])
@@ -74,18 +115,6 @@ def test_a_map_breaks_its_title_and_the_label_of_its_colours_in_a_column(shows):
     for text in texts:
         box = text.get_window_extent()
         assert box.x0 >= -0.5 and box.x1 <= figure.bbox.x1 + 0.5
-
-
-def test_panels_of_a_figure_have_their_legends_below_them():
-    figure, axes = plt.subplots(2, 2, figsize=(7, 5.6))
-    for ax, draw in zip(axes.flat, DRAW.values(), strict=True):
-        draw(ax)
-    figure.draw_without_rendering()
-    for ax in axes.flat:
-        legend = ax.get_legend().get_window_extent()
-        assert legend.y1 <= ax.xaxis.get_tightbbox().y0 + 0.5
-        assert legend.x0 >= -0.5 and legend.x1 <= figure.bbox.x1 + 0.5
-        assert not any(legend.overlaps(other.bbox) for other in axes.flat)
 
 
 def test_texts_are_escaped_where_they_go_to_latex_and_only_once():

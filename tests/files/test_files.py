@@ -16,10 +16,11 @@ import xarray as xr
 
 import snapmap
 from snapmap.files.atomic import fingerprint, hold, refuse_others
+from snapmap.files.tables import read_rows
 from snapmap.files.text import exact, is_showable, stem_of
 from snapmap.solver.options import Cosines
 from snapmap.study.netcdf import write
-from snapmap.thresholds.summary import tidy
+from snapmap.thresholds.summary import write_thresholds
 
 
 @pytest.fixture(scope="module")
@@ -27,15 +28,24 @@ def study(handout):
     return snapmap.Study(handout, model=Cosines(modes=3), horizon=300.0)
 
 
-def test_each_threshold_is_a_row(study):
+def test_each_threshold_is_a_row(handout, tmp_path):
+    """No cell begins with a sign, and axes have all digits, so that rows are found again."""
+    study = snapmap.Study(handout, model=Cosines(modes=3), direction="both", horizon=300.0)
     edges = snapmap.threshold(study, [500.0, 1e3 / 0.7], [25.0], axes={"thickness": [1.9, 2.0]})
-    table = tidy(edges)
-    assert [*table.columns[:4]] == ["thickness", "C", "f0", "duration_ms"]
-    assert len(table) == 4 and "island_from" not in table
-    for _, row in table.iterrows():
-        there = edges.sel(thickness=row.thickness, C=row.C, f0=row.f0)
-        assert all(row[key] == there[key] for key in ("N_first", "N_error", "N_static"))
-        assert row.duration_ms in (2.0, 0.7)
+    write_thresholds(edges, tmp_path / "thresholds.csv")
+    text = (tmp_path / "thresholds.csv").read_text()
+    head, *lines = (line.split(",") for line in text.splitlines())
+    assert head[:2] == ["thickness (um)", "direction"] and head[3:5] == ["f0 (Hz)", "duration (ms)"]
+    assert all(cell[:1] not in ("=", "+", "@") for line in lines for cell in line)
+    rows = read_rows(tmp_path / "thresholds.csv")
+    assert len(rows) == 8 and "island_from" not in rows[0]
+    for row in rows:
+        place = {key: float(row[key]) for key in ("thickness", "C", "f0")}
+        there = edges.sel(place, method=None).sel(direction=row["direction"])
+        for key in ("N_first", "N_error", "N_static"):
+            written, exact = float(row[key] or "nan"), float(there[key])
+            assert written == pytest.approx(exact, rel=1e-5, nan_ok=True)
+        assert row["duration"] in ("2.0", "0.7")
 
 
 NUMBERS = 0.1, np.nextafter(0.1, 1.0), 1 / 3, 1e-15, 1500.0, np.nextafter(1500.0, 2e3), np.inf

@@ -11,7 +11,6 @@ from tempfile import TemporaryDirectory
 
 from snapmap.applications import attached, observers
 from snapmap.applications.whole import planned_study
-from snapmap.files.atomic import replacing
 from snapmap.study.axes import NAMES
 from snapmap.study.provenance import hash_numbers
 from snapmap.workflow.job_log import run_rule
@@ -50,7 +49,7 @@ def find_threshold(study, path, table_path, quick):
     quick: files of each quick application by their names, by the names of their folders
     """
     from snapmap.study.netcdf import write_product
-    from snapmap.thresholds.summary import summary, tidy
+    from snapmap.thresholds.summary import summary, write_thresholds
     from snapmap.thresholds.surface import thresholds_of
 
     for name, files in quick.items():
@@ -58,8 +57,7 @@ def find_threshold(study, path, table_path, quick):
     axes = {key: values for key, values in study.axes.items() if key not in (*NAMES, "N")}
     highest, tolerance = float(study.axes["N"][-1]), study.threshold_tolerance
     thresholds = thresholds_of(study.of_thresholds(), axes, tolerance, highest)
-    with replacing(table_path) as temporary:
-        tidy(thresholds).to_csv(temporary, index=False)
+    write_thresholds(thresholds, table_path)
     write_product(thresholds, path, lambda made: summary(made, study.axes["N"][0], highest))
 
 

@@ -149,7 +149,7 @@ def test_the_closing_line_says_where_the_beam_breaks(document, tmp_path, capsys,
 def test_verdicts_are_read_as_they_were_written(tmp_path):
     """Names of words that mean something else stay text; a gap stays a gap."""
     asked = [
-        make_verdict(requirement="nan", device="12", must_snap=True, N_first=1 / 3),
+        make_verdict(requirement="nan", device="12", must_snap=True, N_first=0.333333),
         make_verdict(requirement="b", margin=0.5, end="stays", more={"t_closed": 2.5}),
         make_verdict(requirement="c", must_snap="any", must_survive=1.0),
     ]

@@ -2,9 +2,10 @@
 
 import functools
 import inspect
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import fields
 
 import numpy as np
@@ -38,8 +39,22 @@ def checked(function: Callable) -> Callable:
     """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(function, ELSEWHERE, _prepare, _unit_of_C)
+    call = calls.checked(_at_home(function), ELSEWHERE, _prepare, _unit_of_C)
     call.__module__ = __package__  # by which it is pickled
+    return call
+
+
+def _at_home(function):
+    """Let a function run under numpy's and xarray's own settings, whatever its caller's are."""
+
+    @functools.wraps(function)
+    def call(**values):
+        xarray = sys.modules.get("xarray")
+        own = {"keep_attrs": "default", "arithmetic_join": "inner"}
+        settings = xarray.set_options(**own) if xarray else nullcontext()
+        with settings, np.errstate(divide="warn", over="warn", under="ignore", invalid="warn"):
+            return function(**values)
+
     return call
 
 

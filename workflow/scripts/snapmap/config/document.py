@@ -130,7 +130,7 @@ class Core:
             faults["devices"] = "excludes device; write one of them"
         several = several if isinstance(several, Mapping) else {}
         for name in several:
-            if not (isinstance(name, str) and re.fullmatch("[A-Za-z][A-Za-z0-9_-]{0,30}", name)):
+            if not (isinstance(name, str) and re.fullmatch(r"[^\W\d_][\w-]{0,30}", name)):
                 need = "a name of letters, digits, - and _, at most 31 of them"
                 faults["devices", name] = f"{describe(name)} is not {need}"
         if isinstance(run := written.get("run"), Mapping) and OF_SNAKEMAKE in run:

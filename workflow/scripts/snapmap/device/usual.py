@@ -9,7 +9,7 @@ USUAL = {
     "youngs_modulus": (1e3, 1.3e6),
     "density": (1e-4, 0.025),
     "damping": (0.0, 1e3),
-    "residual_stress": (-5e3, 5e3),
+    "residual_stress": (-3e3, 3e3),
     "clamp_axial": (1.0, 1e9),
     "mass": (1e-3, 1e6),
     "spring": (1e-4, 1e6),

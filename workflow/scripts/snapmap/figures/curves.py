@@ -11,9 +11,11 @@ from matplotlib.patheffects import withStroke
 
 from ..files.text import plain
 from ..numerics.portable import evenly
+from . import style
 from .scales import Scale, scale_of, value_text
 
-LOOKS = (("C0", "o"), ("C6", "s"), ("C2", "^"), ("C5", "D"), ("C3", "v"), ("C7", "P"), ("C1", "X"))
+COLOURS = "black", style.VERMILION, style.SKY, style.BLUE, style.GREEN, style.PINK, style.ORANGE
+LOOKS = tuple(zip(COLOURS, "os^DvPX", strict=True))
 """Colours and markers of lines, in order; the first ones differ in grey, too."""
 CURVES, MARKS = 6, 45
 """Most lines in a figure, and most markers and error bars on a curve."""
@@ -57,9 +59,16 @@ def line_keys(thresholds: xr.Dataset, lines: str) -> Iterator[Line2D]:
         label = value_text(lines, curve[lines].item(), unit="" if lines == "C" else None)
         if v.ndim == 0 and np.isfinite(v):
             label += f", $\\Delta v$ = {plain(v.item(), 3)} m/s"
-        if curve.N_first.isnull().all():
-            label += ", no threshold"
+        if curve.N_first.isnull().all():  # what `no_threshold` says in words
+            continue
         yield Line2D([], [], color=colour, marker=marker, label=label)
+
+
+def no_threshold(thresholds: xr.Dataset, lines: str) -> str:
+    """Say in words which lines have no threshold at all; "" if some are on all, or on none."""
+    none = thresholds.N_first.isnull().all([key for key in thresholds.N_first.dims if key != lines])
+    texts = [value_text(lines, value) for value in thresholds[lines].values[none.values].tolist()]
+    return f"no threshold: {', '.join(texts)}" if 0 < len(texts) < none.size else ""
 
 
 def draw_curve(
@@ -115,6 +124,8 @@ def _known_error(curve):
 def mark_missing(ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, place: int = 0) -> None:
     """Mark at the upper edge where a line has no threshold; place: index of the line."""
     missing = x[curve.N_first.isnull().values]
+    if missing.size == x.size:
+        return
     cross(ax, missing, FIRST_ROW - NEXT_ROW * place, colour, "no threshold here")
 
 

@@ -1,6 +1,6 @@
 """Maps over two axes of a study: which cells snap, when, and where the beam ends."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated
 
 import numpy as np
@@ -44,14 +44,13 @@ def draw_map(
         the beam ends, and how sure that is
     """
     look = _time_look([cells]) if shows == "times" else {}
-    panel = cells, thresholds, required_shocks
-    field, names = _fill_map(ax, panel, x, y, own_points, shows, look)
+    panel, shown = (cells, thresholds, required_shocks), states.SHOWN[shows]
+    field, names = _fill_map(ax, panel, x, y, own_points, shown, look)
     ax.set_title(place_text(cells, style.signs(ax, "axes.titlesize")))
     width = style.signs(ax.get_figure())
     words = [captions.case(cells.attrs, width), _numbered(names, width)]
-    style.engine_of(ax.get_figure())  # as for `plane.colour_bar`
     _add_time_bar(ax.get_figure(), ax, field, look)
-    style.legend(ax, _keys([cells], [ax], shows), "\n".join(filter(None, words)), 2)
+    style.legend(ax, _keys([cells], [ax], shown), "\n".join(filter(None, words)), 2)
     return ax
 
 
@@ -68,8 +67,11 @@ def _add_time_bar(figure, axes, field, look):
     if field is None:
         return
     label = f"first snap after the start of the pulse ({look['unit']})"
-    aspect = 30 * min(np.size(axes), 2)
-    bar = figure.colorbar(field, ax=axes, location="bottom", pad=0.02, aspect=aspect, label=label)
+    if style.is_ours(figure):
+        place = {"location": "bottom", "pad": 0.02, "aspect": 30 * min(np.size(axes), 2)}
+        bar = figure.colorbar(field, ax=axes, label=label, **place)
+    else:
+        bar = plane.colour_bar(axes, field, label)
     if isinstance(look["norm"], LogNorm):
         tick(bar.long_axis, look["norm"].vmin, look["norm"].vmax)
 
@@ -98,6 +100,16 @@ _AXES = Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
 MatplotlibAxes = Annotated[Axes, _AXES]
 
 
+LegendArguments = Annotated[
+    bool | Mapping,
+    Fitting("true, false or a mapping", lambda value: isinstance(value, bool | Mapping)),
+]
+Colours = Annotated[
+    Mapping[str, str],
+    Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping)),
+]
+
+
 def plot_outcome(
     cube: Cube,
     ax: MatplotlibAxes | None = None,
@@ -106,6 +118,8 @@ def plot_outcome(
     *,
     thresholds: Thresholds | None = None,
     ends: Truth = False,
+    legend: LegendArguments = True,
+    colours: Colours | None = None,
 ) -> Axes:
     """Draw which cells of a cube snap, with a legend.
 
@@ -121,6 +135,10 @@ def plot_outcome(
         Dataset of `threshold`, drawn as a line if y is N.
     ends
         Whether to draw where each beam ends instead.
+    legend
+        False for none, or arguments of matplotlib's legend. In your own axes it is inside them.
+    colours
+        Colours by the words of the legend, as {"snaps": "gold"}.
 
     Returns
     -------
@@ -158,12 +176,13 @@ def plot_outcome(
             "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
+    shown = states.coloured(shows, colours or {})
     axes = ax or style.notebook_axes()
-    _fill_map(axes, (cells, thresholds, ()), x, y, (), shows)
-    if ax:  # in axes of the user's own size there is little room
-        _remove_durations(ax)
+    _fill_map(axes, (cells, thresholds, ()), x, y, (), shown)
     axes.set_title(place_text(cells, style.signs(axes, "axes.titlesize")))
-    style.legend(axes, _keys([cells], [axes], shows))
+    style.fit_labels(axes)
+    if legend is not False:
+        style.legend(axes, _keys([cells], [axes], shown), **({} if legend is True else legend))
     return axes
 
 
@@ -203,7 +222,7 @@ def draw_maps(
     figure.set_figheight(3 * (1 - (-len(panels) // columns)))
     axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
     first, *others = cells = [cells for cells, *_ in panels]
-    look = _time_look(cells) if shows == "times" else {}
+    look, shown = _time_look(cells) if shows == "times" else {}, states.SHOWN[shows]
     fields, names = [], {}
     alone = [key for key in first.coords if first[key].ndim == 0]
     shared = [key for key in alone if others and all(panel[key] == first[key] for panel in others)]
@@ -212,7 +231,7 @@ def draw_maps(
             ax.remove()
             axes.flat[place] = None
             continue
-        field, named = _fill_map(ax, panels[place], x, y, own_points, shows, look)
+        field, named = _fill_map(ax, panels[place], x, y, own_points, shown, look)
         fields, names = [*fields, field], names | named
         ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
         beside = figure.supylabel(ax.get_ylabel(), size="medium")
@@ -226,7 +245,7 @@ def draw_maps(
     words = place_text(first.drop_vars({*first.coords} - {*shared}), captions.PAGE)
     words = [words, captions.case(first.attrs), _numbered(names, captions.PAGE)]
     drawn = axes.flat[: len(panels)]
-    keys = _keys(cells, drawn, shows)
+    keys = _keys(cells, drawn, shown)
     limits = [key for key in keys if key.get_label().startswith(LONG)]
     if limits[1:]:  # a single key stands for the limits of all panels
         limits[0].set_label(LONG)
@@ -263,18 +282,18 @@ def _remove_durations(ax):
         top.remove()
 
 
-def _fill_map(ax, panel, x, y, own_points, shows, look=None):
+def _fill_map(ax, panel, x, y, own_points, shown, look=None):
     """Draw a map; returns its field of times, or None, and the names of its shocks by number.
 
-    panel: cells, thresholds or None, and required shocks
+    panel: cells, thresholds or None, and required shocks; shown: as of `states.SHOWN`
     """
     cells, thresholds, shocks = plane.thin(panel[0], x, y), *panel[1:]
     across = plane.open_plane(ax, cells, x, y)
-    shown, classify = states.SHOWN[shows]
+    known, classify = shown
     codes = classify(cells)
-    plane.fill_states(ax, codes, shown, *across)
+    plane.fill_states(ax, codes, known, *across)
     field = None
-    if shows == "times" and (codes < 0).any():
+    if look and (codes < 0).any():
         times = {"cmap": states.TIME_COLOURS, "norm": look["norm"]}
         field = plane.fill_field(ax, cells.t_snap / look["size"], *across, **times)
     if "stress_share" in cells:
@@ -292,7 +311,7 @@ def _fill_map(ax, panel, x, y, own_points, shows, look=None):
     if (axis_behind(x), y) != ("f0", "N"):  # shocks have a place only there
         return field, {}
     plane.draw_points(ax, x, own_points)
-    return field, plane.number_shocks(ax, x, shocks)
+    return field, plane.number_shocks(ax, x, shocks, own_points)
 
 
 def _numbered(names, width):
@@ -300,9 +319,9 @@ def _numbered(names, width):
     return captions.fill((f"{number}: {names[number]}" for number in sorted(names)), width, "; ")
 
 
-def _keys(panels, axes, shows):
+def _keys(panels, axes, shown):
     """Make the keys of a legend: of the states of all cells, and of labels on the axes."""
-    shown, classify = states.SHOWN[shows]
+    known, classify = shown
     # Parts are read in turn, as a map may be larger than memory.
     codes = (classify(part) for cells in panels for part in plane.parts(cells))
-    return [*plane.state_keys(codes, shown), *style.labelled(axes)]
+    return [*plane.state_keys(codes, known), *style.labelled(axes)]

@@ -31,7 +31,7 @@ PART = 1_000_000
 RING = {"boxstyle": "circle,pad=0.25", "facecolor": "white", "linewidth": 0.8}
 ARROW = {"arrowstyle": "-|>,head_length=0.3,head_width=0.15", "facecolor": "black"}
 ARROW |= {"linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-NUMBER = {"fontsize": 5, "ha": "center", "va": "center", "bbox": RING, "arrowprops": ARROW}
+NUMBER = {"fontsize": 6, "ha": "center", "va": "center", "bbox": RING, "arrowprops": ARROW}
 NUMBER |= {"textcoords": "offset points"}
 INWARD = 12
 """Distance from an edge to the number of a shock beyond it, pt."""
@@ -39,7 +39,7 @@ POINT = {"marker": "D", "markersize": 4, "markeredgecolor": "black", "linestyle"
 TRIPPED = {True: "black", False: "white", None: "0.6"}
 POINT_WORDS = {True: "own point, tripped", False: "own point, not tripped", None: "own point"}
 PAPER = {"facecolor": "white", "alpha": 0.8, "linewidth": 0, "pad": 0.6}
-NAME = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 5.5, "bbox": PAPER}
+NAME = {"xytext": (4, 3), "textcoords": "offset points", "fontsize": 6, "bbox": PAPER}
 NAME |= {"annotation_clip": True}
 NAMED = 12
 """Most points that have their names beside them."""
@@ -116,11 +116,13 @@ def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Itera
 
 
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
-    """Add a colour bar, below the only axes of a figure that is not wide, or else beside axes."""
+    """Add a colour bar, below the only axes of our figure that is not wide, or else beside axes."""
     width, height = ax.get_figure().bbox.size
-    place = "bottom" if style.is_alone(ax) and height >= width else "right"
-    style.engine_of(ax.get_figure())  # which cannot place a bar that is older than itself
-    return ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
+    is_below = style.is_ours(ax) and style.is_alone(ax) and height >= width
+    place = "bottom" if is_below else "right"
+    bar = ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
+    style.fit_labels(bar.ax)
+    return bar
 
 
 def freeze(ax: Axes) -> None:
@@ -129,11 +131,15 @@ def freeze(ax: Axes) -> None:
 
 
 def number_shocks(
-    ax: Axes, x: str, shocks: Sequence[tuple[str, float, float, bool]]
+    ax: Axes,
+    x: str,
+    shocks: Sequence[tuple[str, float, float, bool]],
+    points: Sequence[Point] = (),
 ) -> dict[int, str]:
     """Number shocks in their order; an arrow at the edge points to a shock beyond it.
 
     shocks: name, f0 (Hz), N, and whether the shock has the map's pulse; others are left out
+    points: a user's own, beside which a number stands aside, with an arrow to its place
     Returns the names by number.
     """
     freeze(ax)
@@ -145,7 +151,12 @@ def number_shocks(
         place = np.array([_place(x, f0), N])
         low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
         inside = np.clip(place, low, high)
-        ax.annotate(str(number), inside, INWARD * np.sign(inside - place), **NUMBER)
+        aside = INWARD * np.sign(inside - place)
+        own = np.reshape([(_place(x, point.f0), point.N) for point in points], (-1, 2))
+        apart = ax.transData.transform(own) - ax.transData.transform(inside)
+        if (abs(apart) * 72 / ax.figure.dpi < INWARD).all(axis=1).any() and not aside.any():
+            aside = np.array([INWARD, -INWARD])
+        ax.annotate(str(number), inside, aside, **NUMBER)
         if (place != inside).any():
             names[number] += f" at {value_text('N', N)}, {value_text('f0', f0)}"
     return names

@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 from ..files.text import plain
 from ..study.axes import DURATION, KIND_OF
 from ..values.units import of_file, spelling
-from . import captions
+from . import captions, style
 
 NONE = MappingProxyType({})
 """The attributes of a dataset without any."""
@@ -36,8 +36,9 @@ SPACE = 0.03
 """Share of an axis beyond its first and last value, for markers."""
 THIN, FROM = "\u2009", 10_000
 """The space between thousands, and the least number that has it."""
-SUBS, APART = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1
-"""Digits that have ticks in a decade, densest choice first, and the least room of a label."""
+SUBS, APART, LOOSE = ((1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)), 1.1, 1.8
+"""Digits that have ticks in a decade, densest choice first; the least room of a label; and that in
+a user's own axes, which may become smaller."""
 SHORT = 0.5
 """Decades below which a logarithmic axis has the ticks of a linear one."""
 
@@ -117,12 +118,18 @@ def _is_geometric(values):
 
 
 def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
-    """Scale and name an axis, "x" or "y", and choose its ticks; attributes: as for `axis_label`."""
+    """Scale and name an axis, "x" or "y", and choose its ticks; attributes: as for `axis_label`.
+
+    Names are short in axes of a user's own.
+    """
     axis = getattr(ax, f"{which}axis")
     is_row = scale.places.size > 1 and not scale.is_counted
     ends = scale.places if is_row else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
-    axis.set_label_text(axis_label(scale.key, attributes, scale.unit))
+    label = axis_label(scale.key, attributes, scale.unit)
+    if not style.is_ours(ax):
+        label = label.replace(LABELS[scale.key], WORDS[scale.key] or LABELS[scale.key], 1)
+    axis.set_label_text(label)
     if not is_row:
         tick_values(axis, scale.places, scale.values)
     else:
@@ -160,7 +167,8 @@ def tick(
     if decades < SHORT:
         axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 3, 5, 10]))
     else:
-        least = APART * decades / (beside or axis).get_tick_space()
+        apart = APART if style.is_ours(axis.axes) else LOOSE
+        least = apart * decades / (beside or axis).get_tick_space()
         fitting = (subs for subs in SUBS if np.diff(np.log10([*subs, 10])).min() >= least)
         axis.set_major_locator(LogLocator(subs=next(fitting, (1,))))
     axis.set_major_formatter(lambda value, _: number(value, 6))
@@ -179,9 +187,12 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
-    """Make x an axis of the study; frequencies (Hz) get the pulse's duration as upper axis."""
+    """Make x an axis of the study; frequencies (Hz) get the pulse's duration as upper axis.
+
+    In axes of a user's own there is no room for that one.
+    """
     set_scale(ax, "x", scale, attributes)
-    if scale.key != "f0":
+    if scale.key != "f0" or not style.is_ours(ax):
         return
     top = ax.secondary_xaxis("top", functions=(_reciprocal, _reciprocal))
     top.set_xlabel(axis_label(DURATION))

@@ -1,5 +1,6 @@
 """The states of cells on maps and on the page: whether cells snap, when, and where beams end."""
 
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +8,7 @@ import xarray as xr
 from matplotlib import colormaps
 from matplotlib.colors import ListedColormap
 
+from ..files.text import show
 from ..solver.outcome import WHOLE_SWING, ended_elsewhere
 from ..study.provenance import config_of
 from . import captions
@@ -90,6 +92,17 @@ SHOWN = {
     "ends": (STATES, end_states),
 }
 """States that cells may have on each kind of map, and the function that tells them."""
+
+
+def coloured(shows: str, colours: Mapping[str, str]) -> tuple[Sequence[State], Callable]:
+    """Give an entry of SHOWN with other colours, by the words of their states; ValueError."""
+    known, classify = SHOWN[shows]
+    if wrong := [*colours.keys() - {state.words for state in known}]:
+        words = ", ".join(state.words for state in known)
+        raise ValueError(f"colours: {show(wrong[0])} is none of the states {words}")
+    return [
+        state._replace(colour=colours.get(state.words, state.colour)) for state in known
+    ], classify
 
 
 def _outcomes(cells):

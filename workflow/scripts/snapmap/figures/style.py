@@ -1,6 +1,7 @@
 """The style of all figures for print: sheet, sizes, legends, and how they are saved."""
 
 import re
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from copy import copy
@@ -15,22 +16,26 @@ from matplotlib.collections import Collection
 from matplotlib.container import Container
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.font_manager import FontProperties
-from matplotlib.layout_engine import ConstrainedLayoutEngine, LayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.text import Text
-from matplotlib.transforms import Bbox, ScaledTranslation
+from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
 from ..files.atomic import replacing
 
 SIGN = 0.62
 """Width of a sign over the size of its font, on average, with some room to spare."""
-SMALLEST, HIGHEST = 5.0, 1 / 3
-"""Least size of letters that is chosen, pt, and largest share of the height for a legend."""
-GAP = 0.05
-"""Distance between the labels of axes and the legend below them, in."""
+SMALLEST, FEWEST = 6.0, 8
+"""Least size of letters that is chosen, pt, and fewest signs in a line of a label."""
+HARDLY = 0.8
+"""Share of their size to which letters of a legend shrink, rather than a column is lost."""
+WIDEST, HIGHEST = 0.6, 0.5
+"""Largest share of a user's own axes for a legend, if its letters need not be too small for it."""
+ORANGE, SKY, GREEN, BLUE = "#e69f00", "#56b4e9", "#009e73", "#0072b2"
+VERMILION, PINK = "#d55e00", "#cc79a7"
+"""Colours of Okabe and Ito, which the colour-blind tell apart, whatever a user's own are."""
 SPECIAL = re.compile(r"(?<!\\)[%&#]")
 """Signs that LaTeX needs escaped; matplotlib itself escapes an underscore."""
 DPI = 300
@@ -39,8 +44,6 @@ NOTHING = {"ha": "center", "va": "center", "fontsize": 7, "color": "0.3", "zorde
 NOTHING |= {"bbox": {"facecolor": "white", "linewidth": 0}}
 """Look of the words in axes without data."""
 SHEET = Path(__file__).with_name("paper.mplstyle")
-PLACING = {"GDEF", "GPOS", "GSUB", "kern"}
-"""Tables of a font that a PDF, which places each glyph itself, never reads."""
 # Metadata of each format, and the attributes of a dataset behind them; PNG comes first.
 METADATA = {
     "png": {"Title": "title", "Software": "code_version", "Comment": "config"},
@@ -53,14 +56,18 @@ def paper() -> AbstractContextManager:
     return matplotlib.style.context(SHEET, after_reset=True)
 
 
-def single_column(height: float) -> Figure:
+class Paper(Figure):
+    """A figure of ours: it is laid out once, and its legend lies below all axes."""
+
+
+def single_column(height: float) -> Paper:
     """Make an empty figure as wide as a column of a journal, 3.4 in; height: in inches."""
-    return Figure((3.4, height), DPI)
+    return Paper((3.4, height), DPI)
 
 
-def double_column(height: float) -> Figure:
+def double_column(height: float) -> Paper:
     """Make an empty figure as wide as two columns of a journal, 7.0 in; height: in inches."""
-    return Figure((7.0, height), DPI)
+    return Paper((7.0, height), DPI)
 
 
 def notebook_axes() -> Axes:
@@ -68,7 +75,12 @@ def notebook_axes() -> Axes:
     # Only notebooks pay for this import.
     import matplotlib.pyplot as plt
 
-    return plt.figure(figsize=(5, 5), layout="constrained").subplots()
+    return plt.figure(FigureClass=Paper, figsize=(5, 5), layout="constrained").subplots()
+
+
+def is_ours(where: Axes | FigureBase) -> bool:
+    """Tell whether axes or a part of a figure belong to a `Paper`, not to a user's own figure."""
+    return isinstance(where.figure.figure, Paper)
 
 
 def is_alone(ax: Axes) -> bool:
@@ -119,44 +131,25 @@ def signs(where: Axes | FigureBase, key: str = "legend.title_fontsize") -> int:
     return int(width / (SIGN * points(key)))
 
 
-def engine_of(figure: FigureBase) -> LayoutEngine:
-    """Give the layout engine of a figure, the constrained one if it had none."""
-    if figure.get_layout_engine() is None:
-        figure.figure.set_layout_engine("constrained")
-    return figure.get_layout_engine()
-
-
 def legend(
-    where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4
-) -> Legend:
-    """Put a legend below a figure or axes, with room for it and for the labels of the axes.
+    where: Axes | FigureBase, keys: Iterable[Artist], title: str = "", ncols: int = 4, **given
+) -> Legend | None:
+    """Make a legend: of our own figure below it, else of the axes, inside them.
 
-    It has at most `ncols` columns, and smaller letters than in the settings where room is little.
-    A figure without a layout engine gets the constrained one.
+    title: only of our own figure, which has no other place for it
+    ncols: most columns below a figure; given: further arguments of matplotlib's legend
     """
-    ax, figure = (where, where.get_figure()) if isinstance(where, Axes) else (None, where)
-    for text in (ax or figure).findobj(Text):
-        text.set_text(_escaped(text.get_text()))
-    root, engine = figure.figure, engine_of(figure)
-    if ax:
-        engine.execute(root)
-        _fit_labels(ax, "x", "width")
-    place, highest = {"loc": "outside lower center"}, HIGHEST * root.bbox.height
-    if ax and is_alone(ax) and isinstance(engine, ConstrainedLayoutEngine):
-        where = figure
-    elif ax:
-        drop = (ax.bbox.y0 - ax.xaxis.get_tightbbox().y0) / root.dpi
-        below = ax.transAxes + ScaledTranslation(0, -drop - GAP, root.dpi_scale_trans)
-        place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0), "bbox_transform": below}
-        highest /= ax.get_subplotspec().get_gridspec().nrows if ax.get_subplotspec() else 1
-    place |= {"handles": (keys := list(keys)), "title": _escaped(title)}
-    for key in keys:
+    if matplotlib.rcParams["text.usetex"]:
+        for text in where.findobj(Text):
+            text.set_text(_escaped(text.get_text()))
+    for key in (keys := list(keys)):
         key.set_label(_escaped(key.get_label()))
-    made = _fitting_legend(where, place, ncols, highest)
-    if ax:
-        engine.execute(root)
-        _fit_labels(ax, "y", "height")
-    return made
+    if isinstance(where, Axes) and not is_ours(where):
+        fit_labels(where)
+        return _legend_inside(where, keys, {"loc": "upper left"} | given)
+    figure = where.get_figure() if isinstance(where, Axes) else where
+    given = {"loc": "outside lower center", "title": _escaped(title)} | given
+    return _legend_below(figure, keys, ncols, given)
 
 
 def _escaped(text):
@@ -164,35 +157,42 @@ def _escaped(text):
     return SPECIAL.sub(r"\\\g<0>", text) if matplotlib.rcParams["text.usetex"] else text
 
 
-def _fitting_legend(where, parts, ncols, highest):
-    """Make a legend of as many columns as keep its letters largest, at most of the user's size."""
-    size, shares = points("legend.fontsize"), []
-    for columns in range(1, ncols + 1):
-        made = where.legend(**parts, ncols=columns)
-        box = made.get_window_extent()
-        shares.append(min(where.bbox.width / box.width, highest / box.height, 1))
-        made.remove()
-    columns = ncols - int(np.argmax(shares[::-1]))  # the flattest of equals
-    title, least, share = points("legend.title_fontsize") / size, min(size, SMALLEST), max(shares)
-    while True:  # small letters of LaTeX are wider than their size tells
-        size = max(size * share, least)
-        made = where.legend(**parts, fontsize=size, title_fontsize=size * title, ncols=columns)
-        share = where.bbox.width / made.get_window_extent().width
-        if share >= 1 or size == least:
+def _legend_below(figure, keys, ncols, given):
+    """Make a legend of as many columns as fit in the width of a figure."""
+    size = points("legend.fontsize")
+    while True:
+        made = figure.legend(handles=keys, ncols=ncols, **given)
+        share = figure.bbox.width / made.get_window_extent().width
+        if share >= 1:
             return made
         made.remove()
+        if ncols == 1 or share * size >= max(HARDLY * size, SMALLEST):
+            return figure.legend(handles=keys, ncols=ncols, fontsize=share * size, **given)
+        ncols -= 1
 
 
-def _fit_labels(ax, which, side):
-    """Break the labels of axes and colour bars before the unit, or shrink them, if too long."""
-    for each in (ax, *filter(_is_colour_bar, ax.get_figure().axes)):
-        label, room = getattr(each, f"{which}axis").label, getattr(each.bbox, side)
-        length = getattr(label.get_window_extent(), side)
-        if length > room:
-            label.set_text(label.get_text().replace(" (", "\n(", 1))
-            length = getattr(label.get_window_extent(), side)
-        if length > room:
-            label.set_fontsize(max(label.get_fontsize() * room / length, SMALLEST))
+def _legend_inside(ax, keys, given):
+    """Make a legend, in smaller letters than the user's if it is large; none without keys."""
+    if not keys:
+        return None
+    made = ax.legend(handles=keys, **given)
+    if not {"fontsize", "prop"} & {*given}:
+        box, size = made.get_window_extent(), points("legend.fontsize")
+        share = min(WIDEST * ax.bbox.width / box.width, HIGHEST * ax.bbox.height / box.height)
+        if share < 1:
+            size = max(size * share, min(size, SMALLEST))
+            made = ax.legend(handles=keys, fontsize=size, **given)
+    return made
+
+
+def fit_labels(ax: Axes) -> None:
+    """Break the labels of axes that are longer than the axes, before the unit or anywhere."""
+    for axis, length in ((ax.xaxis, ax.bbox.width), (ax.yaxis, ax.bbox.height)):
+        text, size = axis.label.get_text(), axis.label.get_fontsize()
+        most = max(int(length / ax.figure.dpi * 72 / (SIGN * size)), FEWEST)
+        if len(text) > most:
+            lines = text.replace(" (", "\n(", 1).split("\n")
+            axis.label.set_text("\n".join(textwrap.fill(line, most) for line in lines))
 
 
 def fit(figure: Figure, ratio: float) -> None:
@@ -200,8 +200,7 @@ def fit(figure: Figure, ratio: float) -> None:
 
     Colour bars must lie below the axes.
     """
-    figure.get_layout_engine().execute(figure)
-    figure.set_layout_engine("none")
+    lay_out(figure)
     rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
     places = {ax: ax.get_position(original=True) for ax in figure.axes}
     width, height = places[figure.axes[0]].size * figure.get_size_inches()
@@ -215,6 +214,13 @@ def fit(figure: Figure, ratio: float) -> None:
             y0 += (rows - spec.rowspan.stop) * growth
             y1 += (rows - spec.rowspan.start) * growth
         ax.set_position([place.x0, y0 / after, place.width, (y1 - y0) / after])
+
+
+def lay_out(figure: Figure) -> None:
+    """Lay a figure out, once: what is drawn from now on finds the layout as it is."""
+    if engine := figure.get_layout_engine():
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def note_missing(ax: Axes, values: ArrayLike, why: str) -> bool:
@@ -246,37 +252,16 @@ def save(figure: Figure, stem: str | Path, attributes: Mapping[str, str]) -> Non
     attributes: of the dataset drawn; title, code_version and config go into the metadata of files
     """
     # `Figure.savefig` would draw everything twice for each format.
-    from fontTools import subset
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
+    lay_out(figure)
     for ending, keys in METADATA.items():
         metadata = {key: attributes[name] for key, name in keys.items() if name in attributes}
         drawn = BytesIO()  # on a full disk the writers of files end in faults of their own
         if ending == "png":
             FigureCanvasAgg(figure).print_png(drawn, metadata=metadata)
-            figure.set_layout_engine("none")
         else:
-            metadata["CreationDate"] = None
-            with _plain_fonts(subset):
-                FigureCanvasPdf(figure).print_pdf(drawn, metadata=metadata)
+            FigureCanvasPdf(figure).print_pdf(drawn, metadata=metadata | {"CreationDate": None})
         with replacing(f"{stem}.{ending}") as temporary:
             Path(temporary).write_bytes(drawn.getvalue())
-
-
-@contextmanager
-def _plain_fonts(subset):
-    """Load fonts without the tables PLACING, which would take half of the time of a PDF."""
-    load_font = subset.load_font
-
-    def load(*arguments, **options):
-        font = load_font(*arguments, **options)
-        for tag in PLACING & {*font.keys()}:
-            del font[tag]
-        return font
-
-    subset.load_font = load
-    try:
-        yield
-    finally:
-        subset.load_font = load_font

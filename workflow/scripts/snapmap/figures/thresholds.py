@@ -43,7 +43,8 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     if curves.is_seen(ax, surface.island_from.values.ravel(), surface.island_to.values.ravel()):
         keys.append(Line2D([], [], color="0.5", linewidth=2.2, label="island of $N$ that snap"))
     style.note_missing(ax, surface.N_first, NONE_KNOWN)
-    style.legend(ax, keys, title(surface, style.signs(ax.get_figure())))
+    words = title(surface, style.signs(ax.get_figure())), curves.no_threshold(surface, lines)
+    style.legend(ax, keys, "\n".join(filter(None, words)))
     return ax
 
 

@@ -1,15 +1,27 @@
 """CSV tables whose header names columns and units; errors name the line and the column."""
 
 import codecs
+import csv
 import io
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .atomic import replacing
 from .text import show
+
+if TYPE_CHECKING:
+    import pandas
+
+ALONG = "along "
+"""What a direction begins with in a CSV."""
+DIGITS = 6
+"""Significant digits of computed numbers in a CSV."""
 
 DECIMALS = "write numbers without a comma, such as 1000, or 1.5 for one and a half"
 """Remedy for a table with commas in its numbers."""
@@ -32,6 +44,42 @@ _FACTOR = re.compile(r"[*×]|10\^|(?<!\w)(x ?\d[\d.eE^]|\d[\d.]*[eE][-+]?\d)")
 """What tells in a head that its numbers are to be multiplied."""
 _LAST = re.compile(rb"[^\n]*\n\s*[-+.\d]")
 """A line before one that begins with a number."""
+
+
+def write_table(
+    table: "pandas.DataFrame",
+    path: str | Path,
+    units: Mapping[str, str],
+    exact: Collection[str] = (),
+) -> None:
+    """Write a table as CSV, as spreadsheets and `read_table` take it.
+
+    units: by column, as its head names them in brackets; a number that is not known stays empty
+    exact: columns that keep all digits; others have DIGITS, about two more than their errors allow
+    Words that begin with a sign, as a direction does, come after ALONG: they would be formulas.
+    """
+    written = {}
+    for key, values in table.items():
+        head = f"{key} ({units[key]})" if units.get(key) else str(key)
+        if values.dtype.kind == "f" and key not in exact:
+            values = values.map(lambda number: float(f"{number:.{DIGITS}g}"))
+        elif values.dtype.kind not in "fiub":
+            values = [ALONG * str(word).startswith(("+", "-")) + str(word) for word in values]
+        written[head] = values
+    with replacing(path) as part:
+        type(table)(written).to_csv(part, index=False)
+
+
+def read_rows(path: str | Path) -> list[dict[str, str]]:
+    """Read the rows of a table of `write_table` as text, by the names of its columns."""
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = csv.DictReader(file)
+        return [{name_in(key): row[key].removeprefix(ALONG) for key in row} for row in rows]
+
+
+def name_in(head: str) -> str:
+    """Give the name of a column by its head, which may end with a unit."""
+    return _UNIT.sub("", head).strip()
 
 
 def shocks_in(N_of_g: float) -> dict[str, Mapping[str, float]]:
@@ -141,7 +189,7 @@ def _keys(head, numbers, words, line):
             need = f"write {len(numbers)}, {known}, or # before a comment"
             raise ValueError(f"line {line}: the header has {len(head)} columns; {need}")
         return list(numbers)
-    keys = [_UNIT.sub("", word).strip() for word in head]
+    keys = [name_in(word) for word in head]
     unknown = [key for key in keys if key not in {*numbers, *words}]
     if len(unknown) == len(keys):  # it is some other file: the message quotes nothing of it
         raise ValueError(f"line {line}: has no known column; write {known}")

@@ -379,7 +379,8 @@ def sampled(time: Times, acceleration: Series, name: str = "recorded") -> Pulse:
     >>> snapmap.sampled([0.0, 100.0, 400.0], [0.0, 1.0, 0.0]).duration
     400.0
     """
-    time, acceleration = (np.asarray(values, float) for values in (time, acceleration))
+    masked = (np.ma.asarray(values, float) for values in (time, acceleration))
+    time, acceleration = (values.filled(np.nan) for values in masked)
     if time.ndim != 1 or time.shape != acceleration.shape or time.size < 2:
         raise ValueError("time and acceleration are not two rows of two samples or more")
     if not (np.isfinite(time).all() and np.isfinite(acceleration).all()):

@@ -1,14 +1,24 @@
 """Thresholds as a line of text, and as a plain table for other tools."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from ..files.tables import write_table
 from ..files.text import plain
 from ..study.axes import duration_of
 from .survey import NOT_FOLLOWED, NOTHING_SNAPS, STATUS
+
+
+def write_thresholds(thresholds: xr.Dataset, path: str | Path) -> None:
+    """Write the table of `tidy`, whose places keep all digits."""
+    table = tidy(thresholds)
+    units = {key: thresholds[key].attrs.get("units", "1") for key in table if key in thresholds}
+    units = {key: unit for key, unit in units.items() if unit != "1"} | {"duration": "ms"}
+    write_table(table, path, units, [*thresholds.N_first.dims, "duration"])
 
 
 def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
@@ -21,9 +31,9 @@ def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
     N_first = thresholds.N_first
     dims, kept = N_first.dims, [key for key, a in thresholds.items() if "island" not in a.dims]
     table = thresholds[kept].broadcast_like(N_first).transpose(*dims).to_dataframe().reset_index()
-    table.insert(len(dims), "duration_ms", table["f0"].map(duration_of))
+    table["duration"] = table["f0"].map(duration_of)
     table["status"] = np.array(STATUS)[table["status"]]
-    return table[[*dims, "duration_ms", *kept]]
+    return table[[*dims, "duration", *kept]]
 
 
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:

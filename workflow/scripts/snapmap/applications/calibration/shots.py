@@ -79,7 +79,10 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     """
     columns = {}
     for key in table:
-        column = _without_units(key, table[key]) if key in SHOCKS else table[key]
+        column = table[key]
+        if np.ma.is_masked(column):
+            column = column.astype(object).filled(np.nan)
+        column = _without_units(key, column) if key in SHOCKS else column
         try:
             columns[str(key)] = np.asarray(column).ravel()
         except (ValueError, OverflowError):  # of arrays among numbers

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from ...figures import captions, style
 from ...figures.scales import number, place_text
 
-BEAM, MASS, AID = "C5", "black", "0.3"
+BEAM, MASS, AID = style.BLUE, "black", "0.3"
 FINE = 0.5
 """Width of lines that oscillate fast, pt."""
 

@@ -1,6 +1,7 @@
 """The motion of one cell at every step, by the loop of its model."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +23,8 @@ from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
 class Motion(NamedTuple):
     """Samples over time of the beam's n coordinates u, the mass's displacement y, and the ledger.
 
-    The plain loop samples at the steps; the kernel samples half way between them, where it knows
-    its energies.
+    The plain loop samples at the steps; the kernel samples at rest and then half way between
+    steps, where it knows its energies.
 
     time: us
     u, u_velocity: (samples, n); the other arrays are (samples,)
@@ -68,8 +69,17 @@ def record(
     model: of one device; dt: us
     Returns the Form, and an iterable of a Motion for each window of steps.
     """
-    follow = _by_plain_loop if model.name == "reference" else _by_kernel
-    return follow(model, pulse, amplitude, f0, damping, dt, steps, start)
+    if model.name == "reference":
+        return _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start)
+    form, motions = _by_kernel(model, pulse, amplitude, f0, damping, dt, steps, start)
+    return form, chain([_at_rest(form, model.rest(start))], motions)
+
+
+def _at_rest(form, modes):
+    """The Motion of the instant 0, which the kernel leaves out."""
+    u, zero = np.reshape(modes, (1, -1)), np.zeros(1)
+    stretch = dot(u, multiply(u, form.geometric) + 2 * form.slope_start)
+    return Motion(zero, u, 0 * u, zero, zero, stretch, work=zero, lost=zero)
 
 
 def _by_kernel(model, pulse, amplitude, f0, damping, dt, steps, start):

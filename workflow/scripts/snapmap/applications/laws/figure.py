@@ -17,7 +17,7 @@ THIN = {"color": "0.4", "linewidth": 0.8}
 
 
 def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
-    """Draw thresholds and laws over f0, and below the delay of snaps near the thresholds."""
+    """Draw thresholds over f0, and below the delay of snaps near them; laws where they hold."""
     laws = curves.some_lines(laws, "f0", "C")
     top, below = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     scales.study_axis(top, scale := scales.scale_of("f0", laws.f0.values))
@@ -25,19 +25,26 @@ def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
         look = {"color": colour, "linestyle": "", "marker": marker, "markersize": 3}
         top.plot(scale.places, curve.N_first, **look)
         below.plot(scale.places, curve.snap_scale, **look)
-        below.axhline(curve.dwell.item() / 2, **THIN | {"color": colour}, linestyle="--")
+        if _holding(curve.N_slow, curve).notnull().any():
+            below.axhline(curve.dwell.item() / 2, **THIN | {"color": colour}, linestyle="--")
         for law, dashes in zip((curve.N_slow, curve.N_short), DASHES.values(), strict=True):
-            top.plot(scale.places, law, **THIN | {"color": colour}, linestyle=dashes)
-            top.plot(scale.places, _holding(law, curve), color=colour, **HOLDING)
+            holds = _holding(law, curve).notnull()
+            beside = (
+                holds | holds.shift(f0=1, fill_value=False) | holds.shift(f0=-1, fill_value=False)
+            )
+            look = THIN | {"color": colour, "linestyle": dashes}
+            top.plot(scale.places, law.where(beside), **look)
+            top.plot(scale.places, law.where(holds), color=colour, **HOLDING)
     for delay, dashes in zip(laws.saddle_scale.values, SADDLES.values(), strict=True):
         below.axhline(delay, linestyle=dashes, **THIN)
-    lines = laws.N_slow, laws.N_short, *laws.saddle_scale.values
+    held = [_holding(law, laws) for law in (laws.N_slow, laws.N_short)]
+    lines = *held, *laws.saddle_scale.values
     looks = {
         words: THIN | {"linestyle": dashes}
         for (words, dashes), line in zip((DASHES | SADDLES).items(), lines, strict=True)
         if np.isfinite(line).any()
     }
-    if any(np.isfinite(_holding(law, laws)).any() for law in lines[:2]):
+    if any(np.isfinite(law).any() for law in held):
         looks["holds to 1 %"] = HOLDING | {"color": "0.4"}
     keys = [Line2D([], [], label=words, **look) for words, look in looks.items()]
     top.set(yscale="log", ylabel=scales.axis_label("N", laws.attrs))

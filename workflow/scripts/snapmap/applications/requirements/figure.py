@@ -14,9 +14,9 @@ from ...values.units import OF_DAMPER, spelling
 from .verdict import Verdict, corners, must_text
 
 VERDICTS = {
-    "met": {"color": "C0", "marker": "o"},
+    "met": {"color": "black", "marker": "o"},
     "unclear": {"color": "0.5", "marker": "s"},
-    "failed": {"color": "#d55e00", "marker": "X"},
+    "failed": {"color": style.VERMILION, "marker": "X"},
 }
 OTHER = {"color": "0.4", "marker": ".", "linestyle": "", "markersize": 3}
 """Corners that are not the worst."""

@@ -1,6 +1,5 @@
 """The verdict on a requirement: a record, its words, and the table of all verdicts of a study."""
 
-import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from operator import attrgetter
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files.atomic import replacing
+from ...files.tables import read_rows, write_table
 from ...files.text import plain
 from ...numerics.statistics import percents
 from ...solver.settings import FIRST, SECOND
@@ -21,6 +20,10 @@ NO_ARRIVAL, NOT_FOLLOWED = "does not arrive", "not followed"
 """How a beam ends after a required shock."""
 NEEDS = {0: "must not trip", 1: "must trip and stay", 2: "may trip", 3: "must arrive"}
 """What a device must do, by the codes of SNAPS."""
+UNITS = {"f0": "Hz", "duration": "ms", "temperature": "degC"}
+UNITS |= {"toward_max": "um", "away_max": "um", "contact_force_max": "uN"}
+UNITS |= dict.fromkeys(("stress_max", "stress_max_to_snap"), "MPa")
+"""Units of requirements.csv, by column."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,14 +172,13 @@ def write_verdicts(verdicts: Iterable[Verdict], path: str | Path) -> None:
     import pandas  # imported late: most runs have no table
 
     rows = pandas.DataFrame([{**vars(verdict), **verdict.more} for verdict in verdicts])
-    with replacing(path) as part:
-        rows.drop(columns="more").to_csv(part, index=False)
+    places = "N", "f0", "duration", "C", "temperature"
+    write_table(rows.drop(columns="more"), path, UNITS, places)
 
 
 def read_verdicts(path: str | Path) -> list[Verdict]:
     """Read requirements.csv."""
-    with open(path, newline="", encoding="utf-8") as file:
-        return [_read_verdict(row) for row in csv.DictReader(file)]
+    return [_read_verdict(row) for row in read_rows(path)]
 
 
 def _read_verdict(row):

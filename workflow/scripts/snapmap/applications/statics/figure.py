@@ -8,10 +8,13 @@ from matplotlib.figure import Figure
 from ...figures import style
 from ...files.text import plain
 
-TAKEN = {"color": "C5", "linewidth": 1.2, "label": "path of the beam"}
-GUIDED = {"color": "C2", "linestyle": ":", "label": "path of a guided beam"}
-UNBRANCHED = {"color": "C6", "linestyle": "--"}
+TAKEN = {"color": style.BLUE, "linewidth": 1.2, "label": "path of the beam"}
+GUIDED = {"color": style.SKY, "linestyle": ":", "label": "path of a guided beam"}
+UNBRANCHED = {"color": style.VERMILION, "linestyle": "--"}
 UNBRANCHED["label"] = "second mode suppressed (not physical)"
+BEYOND = 0.5
+"""Part of the heights of real paths by which the axes go further, for the one that is not."""
+MARGIN = 0.12
 STABLE = {"color": "black", "marker": "o", "markersize": 4, "linestyle": "", "zorder": 3}
 UNSTABLE = STABLE | {"markerfacecolor": "white"}
 PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
@@ -41,7 +44,6 @@ def draw_force_displacement(ax: Axes, statics: xr.Dataset) -> Axes:
         ax.axhline(force, **PEAK)
         words = f"${symbol}$ = {plain(force.item())} µN".replace("-", "−")
         ax.annotate(words, (end, force), offset, ("axes fraction", "data"), **side, **NOTE)
-    ax.margins(y=0.12)
     ax.set_ylabel("force on the midpoint (µN)")
     return ax
 
@@ -64,12 +66,24 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
 
 
 def _draw_branches(ax, statics, values, heights):
-    """Draw each path, and mark the first shape, the saddle and the second shape at heights."""
-    displacement = statics.displacement
+    """Draw each path, and mark the first shape, the saddle and the second shape at heights.
+
+    The axes go as far as real paths do, and a little further.
+    """
+    displacement, is_real = statics.displacement, values.branch != "unbranched"
+    real = np.append(values.where(is_real).values.ravel(), heights)
+    low, high = np.nanmin(real), np.nanmax(real)
+    reach = BEYOND * (high - low)
+    is_cut = (values < low - reach) | (values > high + reach)
     looks = {"unbranched": UNBRANCHED, "guided": GUIDED, displacement.branch.item(0): TAKEN}
     for branch, look in looks.items():
         if branch in displacement.branch:
-            ax.plot(displacement.sel(branch=branch), values.sel(branch=branch), **look)
+            words = f"{look['label']}{', cut off' if is_cut.sel(branch=branch).any() else ''}"
+            line = values.sel(branch=branch)
+            ax.plot(displacement.sel(branch=branch), line, **look | {"label": words})
+    ax.margins(y=MARGIN)
+    if is_cut.any():
+        ax.set_ylim(low - reach, high + reach)
     ax.set_xlabel("displacement of the midpoint, downward (µm)")
     places = 0, statics.rise - statics.saddle, statics.rise - statics.second_equilibrium
     stable = slice(0, None, 2) if statics.barrier > 0 else slice(1)

@@ -155,7 +155,8 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
         alone = "hollow: that value alone" if i == 0 else None
         ax.plot(f0.places, first, label=alone, **look, **FIRST)
     unknown = data.sensitivity.sel(order="total").isnull().all("value").values
-    cross(ax, f0.places[unknown], 0.02, "0.4", "not known: few devices snap")
+    if not style.note_missing(ax, data.sensitivity, "few devices snap"):
+        cross(ax, f0.places[unknown], 0.02, "0.4", "not known: few devices snap")
     ax.set(ylim=(-0.05, 1.05), ylabel="share of the variance of the threshold")
     return ax
 
