@@ -13,15 +13,15 @@ from snapmap.device.device import batch
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import Shocks
 from snapmap.solver.bounds import least_amplitudes
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
-from snapmap.solver.settings import EDGE, SNAP, STAY, Run
+from snapmap.solver.settings import EDGE, SNAP, Run
 from snapmap.solver.steps import LONGEST
 from snapmap.thresholds.probe import Probe
 from snapmap.thresholds.search import scan_upwards
 
-from .common import command_device, few, number, threshold_near, with_beam
+from .common import command_device, few, number, threshold_near
 from .random_devices import FREQUENCIES, draw_any_device, draw_device, draw_pulse, draw_shocks, even
 from .tables import Table, write
 
@@ -61,8 +61,6 @@ LANDINGS = {
 """Devices by what their mass meets under a slow pulse."""
 LONGEST_PULSE = 1e5
 """Pulses that last longer, in radians of the arch, are left out if nothing presses on the beam."""
-STAYS = 0.2, 0.4, LONGEST[STAY], 0.7, 1.0
-CONTACTS = (40.0, 400.0, np.inf)
 
 
 def main():
@@ -73,7 +71,6 @@ def main():
         Table("steps", ["steps", *of_devices[:-1]], [*edges()]),
         Table("steps_pressed", ["steps, pressed on a hard contact", *HEAD], [*pressed()]),
         Table("steps_slow", ["slow pulses", "steps", *HEAD], [*slow()]),
-        Table("steps_stays", ["contact, N/m", *(f"{turn:g}" for turn in STAYS)], [*stays()]),
     )
 
 
@@ -86,13 +83,6 @@ def changed(model, question=EDGE, factor=1.0, longest=1.0, **factors):
     parts = {key: times * getattr(steps, key) for key, times in factors.items()}
     parts["longest"] = {**steps.longest, EDGE: longest * steps.longest[EDGE]}
     return replace(model, steps=replace(steps, **parts)), question
-
-
-def with_longest(model, turn):
-    """Return the model with a longest step after the pulse of `turn` over the arch's frequency."""
-    longest = model.steps.longest
-    longest = longest | {STAY: longest[STAY] * turn / LONGEST[STAY]}
-    return replace(model, steps=replace(model.steps, longest=longest))
 
 
 def edges():
@@ -166,16 +156,3 @@ def errors_of_rows(device, rows, settings, rules=RULES):
     posed = abs(fine / finer - 1) < AGREED
     known = np.where(posed, finer, np.nan)
     return np.array([near(rule, known) / known - 1 for rule in few(rules).values()])[:, posed]
-
-
-def stays():
-    """Yield rows of the share of cells that end in the second shape, by contact and step."""
-    N, f0 = few(np.linspace(1040, 2400, 70), 8), few(np.geomspace(300, 1.5e4, 36), 4)
-    settings = Run(horizon=6000.0)
-    device = with_beam(command_device(), damping=1e-3)
-    for contact in few(CONTACTS):
-        held = replace(device, contact=contact)
-        model = build_model(held, Cosines(modes=COSINES))
-        cells = to_cells(model.device, 0, N, f0[:, np.newaxis], 25.0, settings.horizon)
-        ends = (with_longest(model, turn).follow(cells, settings).well for turn in few(STAYS))
-        yield [f"{contact:g}", *(f"{np.mean(well == 2):.1%}" for well in ends)]

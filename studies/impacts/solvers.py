@@ -8,13 +8,15 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from snapmap.device.device import Device, batch
-from snapmap.pulse.pulse import Pulse, table
+from snapmap.pulse.pulse import Pulse
 from snapmap.solver.cells import Cells
 from snapmap.solver.kernel import rows as R
-from snapmap.solver.kernel.trace import follow_stress
+from snapmap.solver.kernel.pulse import BLOCK, set_out
+from snapmap.solver.kernel.step import advance
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
-from snapmap.solver.simd_loop import coefficients, empty_lanes
+from snapmap.solver.settings import FIRST
+from snapmap.solver.simd_loop import begin
 
 from .problems import BALL, WAY, Problem
 
@@ -136,17 +138,17 @@ def by_kernel(problem: Problem, device: Device) -> Solve:
     shocks = np.zeros(e.size, np.int64), np.full(e.size, omega**2), frequency / CYCLES
     cells = Cells(np.arange(e.size), *shocks, np.zeros(e.size), problem.t_end, (pulse,))
 
-    rows, pulses = coefficients(model, -np.inf), table(cells.pulses)
-    no_stress = np.empty((0, 1, 3)), np.empty(0)
-
     def solve(steps):
         dt = problem.t_end / omega / (steps + 0.5)
         places = []
         for some in np.split(np.arange(e.size), range(R.LANES, e.size, R.LANES)):
-            group, lanes = cells.take(some), empty_lanes(model)
-            loads = *group[1:5], np.full(some.size, steps + 1)
-            follow_stress(*lanes, rows[some], dt[some], pulses, loads, *no_stress)
-            Y = lanes[0][: R.VECTORS * R.LANES].reshape(R.VECTORS, R.LANES)[:, : some.size]
+            lanes, _ = begin(model, cells.take(some), dt[some], FIRST)
+            shocks = np.zeros(BLOCK * R.LANES)
+            for first in range(0, steps + 1, BLOCK):
+                lanes.state.steps[:] = first
+                set_out(lanes.work, shocks, lanes.state, lanes.pulses)
+                advance(*lanes[:3], shocks, 0, min(BLOCK, steps + 1 - first))
+            Y = lanes.work[: R.VECTORS * R.LANES].reshape(R.VECTORS, R.LANES)[:, : some.size]
             places.append(Y[R.Y] - Y[R.DY] / 2)
         return np.concatenate(places) + (stop if problem.name == BALL else 0.0)
 

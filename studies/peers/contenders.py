@@ -22,7 +22,7 @@ STEPS = 0.2, 0.1, 0.05, 0.025
 """Steps of snapmap, over the default ones, and of the numba loop, us."""
 LANES, SIDE_BY_SIDE = 16, 16
 """Cells that the kernel follows at once, and those that diffrax is given to find one threshold."""
-SLOW, FEWER = 17, 3
+SLOW, FEWER = 67, 3
 """Strides through the map and through the rows for solvers that follow some ten cells a second."""
 
 
@@ -49,14 +49,12 @@ class Contender(NamedTuple):
 
 def contenders() -> Iterator[Contender]:
     """Yield the contenders whose packages are installed, snapmap first."""
-    for factor in few(FACTORS, 2):
-        step = f"step x {factor:g}"
-        yield Contender(OURS, step, partial(by_kernel, factor=factor), width=LANES)
-    for factor in few(FACTORS, 2):
-        bare = partial(by_kernel, factor=factor, proofs=False)
-        yield Contender(NO_PROOFS, f"step x {factor:g}", bare, width=LANES)
+    for solver, proofs in ((OURS, True), (NO_PROOFS, False)):
+        for factor in few(FACTORS, 2):
+            make = partial(by_kernel, factor=factor, proofs=proofs)
+            yield Contender(solver, f"step x {factor:g}", make, width=LANES)
     for dt in few(STEPS):
-        yield Contender(NUMBA, f"{dt:g} us", of_equations(by_numba, dt))
+        yield Contender(NUMBA, f"{dt:g} us", of_equations(by_numba, dt), width=LANES)
     if "heyoka" not in missing():
         for tolerance in few((1e-9, 1e-14)):
             yield Contender("heyoka", f"{tolerance:g}", of_equations(by_heyoka, tolerance), width=4)

@@ -19,7 +19,7 @@ from .equations import Follow
 from .scene import COSINES, HORIZON, TOLERANCE, Scene, lowest_snap
 from .starts import starts
 
-ROUNDS = 5
+ROUNDS = 3
 """Rounds of which the least time counts."""
 HEAD = ["solver", "setting", "equations"]
 ERRORS = ["error, median", "error, largest"]

@@ -17,7 +17,7 @@ from .exact import by_short_steps
 
 HORIZON = 300.0
 """Time followed after the pulse, us; short, as who has no proofs follows all of it."""
-SIDE, N_RANGE, F0_RANGE = 16, (600.0, 2400.0), (300.0, 20e3)
+SIDE, N_RANGE, F0_RANGE = 32, (600.0, 2400.0), (300.0, 20e3)
 ROWS, DAMPINGS = np.geomspace(500.0, 8000.0, 7), (25.0, 200.0)
 """f0, Hz, and C, uN us/um, of the rows; the map has both C in turns."""
 COSINES, ELEMENTS = "3 cosines", "5 elements"

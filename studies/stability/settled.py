@@ -11,7 +11,7 @@ from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.settings import STAY, Run
-from snapmap.solver.simd_loop import midpoints
+from snapmap.solver.simd_loop import watch
 
 from ..common import few, with_beam
 from ..tables import Table
@@ -62,8 +62,8 @@ def leavers(model, cells, t_settled, well):
     dt, saddle = model.steps.of(cells, STAY), model.barrier.midpoint
     steps = np.ceil((1 / cells.f0 + FURTHER) / dt).astype(int)
     left = np.zeros(dt.size, bool)
-    for first, w in midpoints(model, cells, dt, steps.max()):
-        later = (first + np.arange(len(w)) + 0.5)[:, np.newaxis] * dt >= t_settled
+    for first, (w, _) in watch(model, cells, dt, steps):
+        later = (first + np.arange(len(w))[:, np.newaxis] + 0.5) * dt >= t_settled
         # A run that blew up is on neither side.
         stays = np.where(well == 1, w > saddle, w < saddle)
         left |= (later & ~stays).any(axis=0)

@@ -488,10 +488,17 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
             assert not refused
 
 
+@pytest.mark.parametrize("name", ["Gerät_ü", "Образец-2", "a"])
+def test_a_device_has_a_name_in_any_letters(name):
+    document = changed()
+    document["devices"] = {name: document.pop("device")}
+    assert [*load_config(document).devices()] == [name]
+
+
 FAR = {
     **{"sweep__N": [1e14], "run__horizon": "200 s", "device__contact": "1e9 N/m"},
     **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
-    **{"device__beam__residual_stress": "-1.1e7 MPa", "device__mass": "6e-6 kg"},
+    **{"device__beam__residual_stress": "-4000 MPa", "device__mass": "6e-6 kg"},
     **{"device__gap": "1e-6 um", "device__stop_away": "6 mm"},
     **{"device__temperature": "3000 degC", "device__modulus_slope": "-60 /K"},
     "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],

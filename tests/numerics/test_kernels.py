@@ -107,10 +107,10 @@ def test_no_kernel_has_one_that_refers_to_objects_of_python(handout):
     """Those of one that is compiled anew, and of its copy on disk, may have other numbers."""
     snapmap.simulate(Study(handout, "cosines", horizon=9.0), 1300.0, 1500.0, 25.0)
     snapmap.sweep(Study(handout, "cosines"), [1300.0], [1500.0], [25.0])
-    for kernel in (lanes.follow_all, trace.keep_block, trace.follow_stress, trace.keep_midpoints):
+    for kernel in (lanes.follow_all, trace.keep_motion, trace.keep_seen, trace.leap):
         for whole in kernel.overloads.values():
             assert not any(part.consts for part in whole._find_referenced_environments())
-    assert lanes.follow_all.overloads and trace.keep_block.overloads
+    assert lanes.follow_all.overloads and trace.keep_motion.overloads
 
 
 @pytest.mark.filterwarnings("error")

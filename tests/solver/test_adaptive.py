@@ -95,6 +95,23 @@ def test_a_tolerance_sets_the_steps(handout):
     assert strict == pytest.approx([step / 10 for step in default])
 
 
+def test_a_map_until_all_has_settled_snaps_where_and_when_a_map_to_the_snap_does(handout):
+    """To the bit; and what snaps ends as the second level says of it."""
+    device, f0, C = varied(handout, damping=4e-3), [800.0, 3000.0], [25.0]
+    N = np.linspace(900.0, 2000.0, 23)
+    ended, to_snap = (
+        snapmap.sweep(Study(device, until=until, horizon=3000.0), N, f0, C)
+        for until in ("settled", "snap")
+    )
+    np.testing.assert_array_equal(ended.t_snap, to_snap.t_snap)
+    np.testing.assert_array_equal(ended.level, to_snap.level)
+    snapped = ended.t_snap.notnull().values
+    second = snapmap.sweep(Study(device, f"{RUNGS[1]} cosines", horizon=3000.0), N, f0, C)
+    both = snapped & second.t_snap.notnull().values
+    np.testing.assert_array_equal(ended.well.values[both], second.well.values[both])
+    assert both.sum() > 20 and not snapped.all()
+
+
 def test_auto_by_name_records_how_it_decided(handout):
     N = np.linspace(900, 1100, 41)
     how = {"horizon": 300.0}

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from varied import varied
 
+from snapmap.applications.histories.motion import record
 from snapmap.pulse.trains import make_drop, make_train
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
+from snapmap.solver.motion import stress_rows
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
+from snapmap.solver.simd_loop import watch
 
 BLOW = {"shape": "half sine", "duration": 500.0}
 DROP = make_drop({"height": 1e4, "duration": 300.0, "shape": "half sine", "rebound": 0.3})
@@ -86,7 +89,41 @@ def test_nothing_jumps_where_the_ring_matters(calm, handout):
     assert are_the_same(*both(undamped, train(20000.0), N, 25.0))
     for periods in (2.0, 2.5, 4.0):
         assert are_the_same(*both(calm, train(periods * RING - 500.0), N, 25.0))
-    assert are_the_same(*both(calm, train(20000.0), N, 25.0, "moved"))
+    assert are_the_same(*both(calm, train(20000.0), N, 25.0, "shown"))
+
+
+def extremes(model, pulse, N, C):
+    """Of w and stress in lanes, of the mass by itself, and the number of steps that were followed.
+
+    Each is (kinds, N), the number (lanes or each cell alone,).
+    """
+    cells = to_cells(model.device, 0, N, 1e6 / pulse.duration, C, 1500.0, 0, (pulse,))
+    dt = model.time_steps(cells, Run().but(until="moved"))
+    steps = np.ceil(cells.t_end / dt).astype(int)
+    stress = np.broadcast_to(stress_rows(model), (N.size, *stress_rows(model).shape[1:]))
+    seen = [
+        [w.min(0), w.max(0), s.max(0)]
+        for _, (w, s) in watch(model, cells, dt, steps, "first", stress)
+    ]
+    alone = [
+        [part.y for part in record(model, cells.take([i]), dt[[i]], jumps=True)[1]]
+        for i in range(N.size)
+    ]
+    ways = [(np.concatenate(y).min(), np.concatenate(y).max()) for y in alone]
+    lows, highs, most = np.array(seen).swapaxes(0, 1)
+    values = np.stack([lows.min(0), highs.max(0), most.max(0), *np.transpose(ways)])
+    return values, len(seen), sum(map(len, alone))
+
+
+@pytest.mark.parametrize("pulse", [train(20000.0), DROP], ids=["train", "drop"])
+def test_extremes_are_those_of_every_step(calm, pulse):
+    """Also of a weak shock, which shows its largest travel after the blow, at little energy."""
+    asked = np.array([3.0, 30.0, 300.0, 900.0]), 25.0
+    (ours, *windows), (theirs, *all_windows) = (
+        extremes(calm, each, *asked) for each in (pulse, without_quiet(pulse))
+    )
+    assert np.less(windows, np.divide(all_windows, 3)).all()
+    np.testing.assert_allclose(ours, theirs, rtol=1e-5, atol=1e-9)
 
 
 def test_a_jump_does_not_depend_on_other_lanes(calm):

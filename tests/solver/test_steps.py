@@ -11,7 +11,7 @@ from snapmap.pulse.pulse import SHAPES, make_pulse
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
-from snapmap.solver.settings import FIRST, SECOND, Run
+from snapmap.solver.settings import FIRST, SECOND, SNAP, STAY, Run
 from snapmap.solver.steps import (
     arch_frequency,
     largest_speed,
@@ -34,6 +34,17 @@ def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
     tension = np.sqrt(beam.youngs_modulus * beam.area * handout.mass / beam.span)
     expected = tension * (2 * np.pi / beam.span) ** 2 / (3 * beam.density * beam.area)
     assert strike_tightening(handout.mass, modal) == pytest.approx(expected, rel=1e-12)
+
+
+def test_in_runs_to_the_end_a_tension_turns_the_fastest_mode_of_any_model_alike(handout):
+    """Per step, however many cosines there are; runs to the snap keep their step."""
+    modals = [build_model(handout, Cosines(cosines)) for cosines in (5, 11, 17)]
+    stay, snap = (
+        [model.steps.longest[question].item() for model in modals] for question in (STAY, SNAP)
+    )
+    turns = [np.sqrt(model.modal.geometric[-1, -1]) for model in modals]
+    np.testing.assert_allclose(np.multiply(stay, turns), stay[0] * turns[0], rtol=0.02)
+    np.testing.assert_allclose(snap, snap[0], rtol=0.02)
 
 
 @pytest.mark.parametrize("f0", [300.0, 4e3, 5e4])

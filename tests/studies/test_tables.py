@@ -2,13 +2,14 @@
 
 import re
 import runpy
+import sys
 
 import pytest
 from small_workflow import snakemake
 
 import snapmap
 from studies import tables
-from studies.__main__ import NAMES, SLOW
+from studies.__main__ import NAMES, SLOW, fault_of
 
 VERSION = re.compile(r"(?:[Vv]ersion |snapmap |\(|, )(\d+\.\d+\.\d+)(?=[,;)+ ]|$)", re.M)
 """A version in text, but not of another package."""
@@ -54,3 +55,17 @@ def test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one(root, tmp
     for target, names in (("all", {*NAMES} - {*SLOW}), ("all_slow", {*NAMES})):
         _, said = snakemake(root, tmp_path, config, "--dry-run", target, snakefile="studies.smk")
         assert {*re.findall(r"output: results/studies/(\w+)\.md", said)} == names
+
+
+def test_no_study_ends_without_a_table_or_a_word(tmp_path, monkeypatch):
+    """Whatever ends it: a library, a signal, or its last line before it has written."""
+    monkeypatch.chdir(tmp_path)
+    write = "from studies.tables import Table, write; write('laws', Table('laws', ['a'], [['1']]))"
+    for line, word in {
+        "import os; os._exit(0)": "without a table",
+        "import os; os.kill(os.getpid(), 9)": "status -9",
+        "raise SystemExit(3)": "status 3",
+        write: "",
+    }.items():
+        fault = fault_of([sys.executable, "-c", line])
+        assert word in fault and bool(fault) == bool(word)

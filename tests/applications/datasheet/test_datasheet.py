@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from snapmap.applications.datasheet.datasheet import datasheet
+from snapmap.applications.datasheet.parts import of_batch
 from snapmap.applications.electrode.closures import CLOSING
 from snapmap.applications.histories.history import extremes_of, free_travel
 from snapmap.applications.requirements.check import check, judge
@@ -132,3 +134,28 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
     }.items():
         assert row_of(text, name) == [value]
     assert datasheet(study, rows, source, required[:1]) == text
+
+
+def test_levels_of_all_pulses_stand_on_the_sheet_or_some_evenly_chosen():
+    """A level that is not known says how many devices it takes, or that some never snap."""
+    dims, shape = ("shape", "direction", "C", "f0"), (2, 2, 1, 9)
+    about = {"share": 0.9, "confidence": 0.95}
+    high = np.full(shape, 1100.0)
+    high[1, 1] = np.nan
+    data = {
+        "N_no_fire": (dims, np.full(shape, 900.0), about),
+        "N_all_fire": (dims, high, about),
+        "ragged": (dims, np.zeros(shape, np.int8)),
+    }
+    axes = {"shape": ["half sine", "versed sine"], "direction": ["+z", "-z"], "C": [25.0]}
+    made = xr.Dataset(data, axes | {"f0": np.arange(1.0, 10.0) * 100, "sample": np.arange(30)})
+    shocks = make_shocks(["half sine", "versed sine"], "both")
+    words, levels = of_batch(made, shocks, "C, uN*us/um")
+    assert "of 30 devices as made, at 95 % confidence (12 of 36 pulses):" in words
+    assert row_of(levels, "half sine +z") == ["10", "25", "900", "1100"]
+    assert row_of(levels, "versed sine -z")[-1] == "some devices never snap"
+    alone = made.isel(shape=0, direction=1, drop=True).isel(sample=slice(28))
+    _, levels = of_batch(alone, make_shocks("half sine", "-z"), "C, uN*us/um")
+    assert row_of(levels, "half sine -z")[-1] == "1100" and "takes" not in levels
+    high[:] = np.nan
+    assert "takes 29 devices" in of_batch(made.isel(sample=slice(28)), shocks, "C")[1]

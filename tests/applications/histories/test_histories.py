@@ -58,6 +58,9 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     assert short.stress_max_to_snap == long.stress_max_to_snap
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     run = snapmap.simulate(Study(device, model, horizon=200.0), *shot)
+    at_rest = run.interp(time=0)
+    assert at_rest.w_mid == at_rest.z_mass == device.beam.rise
+    assert at_rest.contact_force == at_rest.pulse_work == at_rest.acceleration == 0
     moved = run.z_mass.values - device.beam.rise
     ways = max(0, -moved.min()), max(0, moved.max())
     assert (run.toward_max.item(), run.away_max.item()) == pytest.approx(ways, rel=1e-12)

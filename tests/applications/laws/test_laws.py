@@ -58,5 +58,4 @@ def test_limits_hold_where_thresholds_are_within_1_percent_and_are_broad_there(l
     assert levels == {laws.dwell.item() / 2, *laws.saddle_scale.values}
     draw_laws(figure := style.double_column(4.6), laws.assign(N_slow=laws.N_slow * np.nan))
     words = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert not words & {"law of the dwell time, and half of it", "holds to 1 %"}
-    assert "law of the velocity change" in words
+    assert not {word for word in words if "law" in word or "holds" in word}

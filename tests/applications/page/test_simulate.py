@@ -15,7 +15,7 @@ from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import FIRST, SECOND, Run
-from snapmap.solver.simd_loop import midpoints
+from snapmap.solver.simd_loop import watch
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
 
@@ -70,10 +70,10 @@ def follow_both(tab, study, axes, start=FIRST):
     kernels = [[None] * len(runs) for _ in range(2)]
     for members, part in model.split(cells.device):
         for some in np.split(at := np.flatnonzero(members), range(LANES, at.size, LANES)):
-            steps = max(runs[i]["steps"] for i in some)
+            steps = np.array([runs[i]["steps"] for i in some])
             for kernel, group in zip(kernels, (cells, twin), strict=True):
-                parts = midpoints(part, group.take(some), dt[some], steps, start)
-                w = np.concatenate([w for _, w in parts])
+                parts = watch(part, group.take(some), dt[some], steps, start)
+                w = np.concatenate([w for _, (w, _) in parts])
                 for lane, i in enumerate(some):
                     kernel[i] = w[:, lane]
     return runs, *kernels

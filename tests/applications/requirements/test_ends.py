@@ -81,6 +81,22 @@ def test_no_shock_is_met_that_ends_elsewhere_in_finer_steps(handout):
     assert not np.all(stays, axis=0)[~met].all()
 
 
+BEAM = {"span": 600.0, "rise": 6.0, "thickness": 2.5, "depth": 20.0, "youngs_modulus": 169e3}
+BEAM |= {"mass": 7.456e3, "spring": 1.5, "contact": np.inf, "gap": 2.0, "damping": 5.0005e-3}
+
+
+def test_a_beam_that_stays_in_an_independent_code_is_said_to_stay(handout):
+    """It stays there at all 21 N, by 12 and 18 cosines; in long steps and by three it returns."""
+    device, f0, C = varied(handout, **BEAM), 1e6 / 300, 21.0
+    study, levels = Study(device, pulse="half sine", horizon=4000.0), 3300.0 * NEAR
+    cube = snapmap.sweep(study, levels, [f0], [C])
+    assert (cube.well == 2).all() and cube.well_reproduced.mean() > 0.9
+    shock = {"name": "trips", "N": 3300.0, "f0": f0, "snaps": True}
+    shock["shocks"] = make_shocks("half sine")
+    (verdict,) = check(study, [Shock(**shock)], [C], 1e-3)
+    assert (verdict.verdict, verdict.share_staying) == ("met", 1.0)
+
+
 def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     """A mass on a weak damper comes back, and strikes it down again; a strong damper holds it."""
     study = Study(device=varied(handout, damping=0.03), model={"name": "cosines", "modes": 3})

@@ -174,7 +174,9 @@ def document(**more):
 
 
 def test_a_share_needs_a_batch_and_no_closing():
-    with pytest.raises(Faults, match=r"^tolerances: missing, for the share of crash; write what"):
+    with pytest.raises(
+        Faults, match=r"^requirements: share of crash: needs devices as made; write"
+    ):
         load_config(document())
     whole = document(closes_within="1 ms")
     whole["device"]["contact_at"] = "-5 um"

@@ -19,11 +19,11 @@ T = TypeVar("T")
 FOLDERS = (
     "statics",
     "histories",
+    "tolerances",
     "requirements",
     "spectra",
     "electrode",
     "window",
-    "tolerances",
     "calibration",
     "design",
     "datasheet",
@@ -32,6 +32,7 @@ FOLDERS = (
     "stress",
     "page",
 )
+"""Each after those whose results it reads."""
 
 
 def attached() -> dict[str, Application]:

@@ -34,7 +34,8 @@ def unusual(device: Device) -> list[str]:
     """Warn, in lines, of values of a batch of devices that are beyond the usual."""
     lines = []
     for key, (low, high) in USUAL.items():
-        unit, reads = KINDS[key].unit, KINDS[key].reads
+        unit = KINDS[key].unit
+        reads = "kg" if unit == "ng" else KINDS[key].reads  # what is far too heavy is in kg
         values = np.atleast_1d(getattr(device.beam if hasattr(device.beam, key) else device, key))
         # Under a force, gravity has no effect; neither have values of a mass without one.
         counts = np.equal(device.force, 0) | (key != "gravity")

@@ -11,7 +11,7 @@ from ..device.device import Device
 from .cells import Cells, Observations
 from .kept import kept
 from .laws import well_of
-from .models import Follows, build_model, mixed, require_fitting
+from .models import Follows, build_model, mixed, require_fitting, with_ends
 from .options import TOLERANCE, Auto, Chosen, Cosines
 from .settings import FIRST, Run
 
@@ -65,14 +65,15 @@ class Adaptive:
         """Follow rows of cells, (rows, n), of ascending N, each cell by the level that suffices.
 
         A cell is safe if its ledger closes and no label changes near it along N. Others are decided
-        by top, whether they snap in the steps of EDGE; this repeats until no new cell is unsafe.
+        by top, in the steps of EDGE; this repeats until no new cell is unsafe. The end of each cell
+        that snaps is that of a run of check.
         """
         # A run without cells compiles the kernel that takes longest first, while a job of
         # thresholds beside this one compiles that of base.
         none = cells.take(np.zeros(0, int)).flat()
         for _, model in self.top.split(none.device):
             model.follow_once(none, settings)
-        observed = self.base.follow(cells, settings)
+        observed = self.base.follow(cells, settings.but(until="snap"))
         by_base = np.isfinite(observed.t_snap)
         level = np.zeros(cells.f0.shape, np.int8)
         agreed = np.full(cells.f0.shape, UNCOMPARED, np.int8)
@@ -82,26 +83,17 @@ class Adaptive:
             unsafe |= _near_changes(cells.amplitude, by_base, np.isfinite(observed.t_snap))
             new = unsafe & (level == 0)
             if not new.any():
-                return observed._replace(level=level, agreed=agreed)
+                break
             near = cells.take(new)
             check = self.check.follow(near, settings.but(until="snap"))
-            top = self.follow_by_top(near, settings)
+            top = self.top.follow(near, settings.but(until="edge"))
             level[new] = 1
             same = np.isfinite(check.t_snap) == np.isfinite(top.t_snap)
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
-
-    def follow_by_top(self, cells: Cells, settings: Run) -> Observations:
-        """Follow cells, (cells,), by top; whether they snap is decided in the steps of EDGE."""
-        edge = self.top.follow(cells, settings.but(until="edge"))
-        if settings.until != "settled":
-            return edge
-        observed = self.top.follow(cells, settings)
-        differ = np.isfinite(observed.t_snap) != np.isfinite(edge.t_snap)
-        # The steps of MOVE are shorter than those of either run.
-        moved = self.top.follow(cells.take(differ), settings.but(until="moved"))
-        observed.replace(differ, moved)
-        return observed
+        if settings.until == "settled":
+            observed = with_ends(observed, self.check, cells, settings)
+        return observed._replace(level=level, agreed=agreed)
 
 
 class Survey(NamedTuple):

@@ -7,7 +7,7 @@ import numpy as np
 from ..files.text import plain
 from .cells import Cells
 from .models import Follows, Model
-from .settings import MOVE, Run
+from .settings import SHOWN, Run
 
 MOST_SECONDS = 3.6e7
 """Longest time, s, 10 000 core hours; more is refused as a slip."""
@@ -49,7 +49,7 @@ def steps_and_seconds(built: Follows, cells: Cells, settings: Run) -> tuple[np.n
         dt[mine] = part.time_steps(cells.take(mine), settings)
         nanoseconds = 80 if part.name == "reference" else 1 + part.modes**2 / 20
         followed = cells.t_end[mine]
-        if not (part.laws or part.name == "reference" or settings.question == MOVE):
+        if not (part.laws or part.name == "reference" or settings.until == SHOWN):
             followed = followed - quiet_time(part, cells.take(mine))
         seconds[mine] = nanoseconds * 1e-9 * followed / dt[mine]
     return dt, seconds

@@ -24,6 +24,7 @@ from .cells import Cells, Observations, no_observations
 from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, well_of
 from .options import Chosen, Cosines, Elements, Reference
+from .outcome import REPEATED_STEP
 from .settings import FIRST, MOVE, SECOND, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
@@ -115,20 +116,17 @@ class Model:
     def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
 
-        To learn where a cell stays, it is first followed to the end of its pulse with the longer
-        steps of SNAP; if it then has settled without a snap, it is done. A cell whose ledger does
-        not close is followed again with half the step, up to HALVINGS times. A cell whose pulse is
-        too short for SMALLEST has failed.
+        To learn where beams stay, cells are first followed to their snap; see `with_ends`. A cell
+        whose ledger does not close is followed again with half the step, up to HALVINGS times. A
+        cell whose pulse is too short for SMALLEST has failed.
         """
+        if settings.until == "settled" and self.name != "reference":
+            observed = self.follow(cells, settings.but(until="snap"))
+            return with_ends(observed, self, cells, settings)
         flat = cells.flat()
         observed = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
         left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
-        if settings.until == "settled" and self.name != "reference":
-            first = self.follow_once(flat.take(left), settings.but(until="pulse"))
-            observed.replace(left, first)
-            believed = first.energy_error <= settings.energy_tolerance
-            left = left[np.isnan(first.t_settled) | ~believed]
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
@@ -160,6 +158,27 @@ class Model:
         observed.t_settled[observed.t_settled > cells.t_end] = np.nan
         observed.pulse_work[~(observed.energy_error <= settings.energy_tolerance)] = np.nan
         return observed
+
+
+def with_ends(
+    observed: Observations, model: "Follows", cells: Cells, settings: Run
+) -> Observations:
+    """Follow the cells that snap again, from the start to their end, by a model in steps of STAY.
+
+    observed: runs to the snap, of the cells' shape, which keep their `t_snap`
+    Where the second run does not snap, as may be near a threshold, the end stays unknown.
+    """
+    snapped = np.isfinite(observed.t_snap)
+    ends = model.follow(cells.take(snapped), settings.but(until="end"))
+    known = np.isfinite(ends.t_snap) | ~(ends.energy_error <= settings.energy_tolerance)
+    snapped[snapped] = known
+    observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
+    return observed
+
+
+def follow_twice(model: "Follows", cells: Cells, settings: Run) -> list[Observations]:
+    """Follow cells in the model's step, and again in the REPEATED_STEP."""
+    return [model.with_step(step).follow(cells, settings) for step in (1.0, REPEATED_STEP)]
 
 
 def deciders(

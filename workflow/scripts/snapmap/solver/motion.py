@@ -6,18 +6,12 @@ from ..beam.basis import PLACES
 from ..beam.stress import stress_of
 from ..device.device import Device
 from ..files.counting import count
-from ..pulse.pulse import table
 from .adaptive import choose_model
 from .cells import Cells
-from .kernel import trace
-from .lane_laws import raise_error
 from .models import Follows, Model, deciders
 from .options import Chosen, Elements, Reference
 from .settings import Run
-from .simd_loop import coefficients, empty_lanes, in_lanes
-
-STRETCH = 4
-"""Number of steps of which the length of a run is a multiple."""
+from .simd_loop import in_lanes, watch
 
 
 def motion_levels(device: Device, model: Chosen, settings: Run) -> tuple[Follows, ...]:
@@ -41,28 +35,22 @@ def largest_stress(device: Device, model: Chosen, cells: Cells, settings: Run) -
     return stress
 
 
-def follow_stress(
-    model: Model, cells: Cells, window: np.ndarray, settings: Run, stretch: int = STRETCH
-) -> np.ndarray:
+def follow_stress(model: Model, cells: Cells, window: np.ndarray, settings: Run) -> np.ndarray:
     """Follow cells for the largest tensile stress in the beam of each, MPa, (cells,).
 
-    window: time followed, us, (cells,), rounded up to a multiple of `stretch` steps
+    window: time followed, us, (cells,)
     """
     dt = model.time_steps(cells, settings.but(until="moved"))
-    steps = stretch * np.ceil(window / (stretch * dt)).astype(np.int64)
-    rows = stress_rows(model)[cells.device]
-    rows[:, :-1, model.modes] /= (dt * dt)[:, np.newaxis]
-    devices = coefficients(model, -np.inf, settings.start)[cells.device]
-    stress = np.full(steps.size, -np.inf)
+    steps = np.ceil(window / dt).astype(np.int64)
+    rows, stress = stress_rows(model)[cells.device], np.full(steps.size, -np.inf)
 
     def follow(these):
         """Follow up to LANES cells."""
-        lanes, most, group = empty_lanes(model), stress[these], cells.take(these)
-        loads = *group[1:5], steps[these]
-        of_cells = devices[these], dt[these], table(group.pulses), loads
-        trace.follow_stress(*lanes, *of_cells, rows[these], most)
-        raise_error(model.laws, lanes[2])
-        stress[these] = most
+        group = cells.take(these), dt[these], steps[these], settings.start
+        for first, (_, seen) in watch(model, *group, rows[these]):
+            step = first + np.arange(len(seen))[:, np.newaxis]
+            most = np.where(step < steps[these], seen, -np.inf).max(axis=0)
+            stress[these] = np.maximum(stress[these], most)
         count(these.size)
 
     in_lanes(follow, steps, settings.threads)

@@ -1,6 +1,7 @@
 """Settings of the runs of a study."""
 
 from dataclasses import KW_ONLY, fields
+from functools import lru_cache
 from typing import Literal, Self
 
 from ..values.quantities import Duration, Fraction, Threads, Truth
@@ -9,10 +10,12 @@ from ..values.records import assemble, record
 SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
 does it stay, how does it move."""
-QUESTION = {"settled": STAY, "snap": SNAP, "edge": EDGE, "pulse": SNAP, "moved": MOVE}
-"""The question of a run, by `until`. The solver knows three words beside those of `Run`: "edge" is
-"snap" in the steps that a threshold needs, "pulse" ends a run with its pulse or its snap, and
-"moved" is "settled" in the steps that the motion needs, and does not jump over quiet time."""
+SHOWN = "shown"
+QUESTION = dict(settled=STAY, snap=SNAP, edge=EDGE, end=STAY, moved=MOVE, shown=MOVE)
+"""The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" is
+"snap" in the steps that a threshold needs, "end" follows a cell until it has settled without asking
+first whether it snaps, "moved" is "end" in the steps that the motion needs, and "shown" is "moved"
+with all quiet time."""
 FIRST, SECOND = STARTS = ("first", "second")
 """The shape in which the beam rests at first; it snaps when it arrives at the other."""
 THRESHOLD_TOLERANCE = 1e-4
@@ -51,6 +54,8 @@ class Run:
 
     def but(self, **values: object) -> Self:
         """Return the same with other values; `until` may be any word of QUESTION."""
+        if type(self) is Run:
+            return _with(self, tuple(values.items()))
         own = {field.name: getattr(self, field.name) for field in fields(self)}
         return assemble(type(self), own | values)
 
@@ -65,6 +70,12 @@ class Run:
         if self.start == FIRST:
             del values["start"]
         return values | {"repeat": self.repeats, "horizon": f"{self.horizon:.15g} us"}
+
+
+@lru_cache(maxsize=64)
+def _with(run, changes):
+    """Assemble settings with other values once, as each call of a search asks for the same."""
+    return assemble(Run, vars(run) | dict(changes))
 
 
 OF_RUN = tuple(field.name for field in fields(Run))

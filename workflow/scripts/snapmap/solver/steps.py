@@ -29,8 +29,11 @@ SHORTEST = 0.15
 BLOWS = 400.0
 """Radians of the arch in a swing of a pulse up to which single blows of the mass decide, and EDGE
 takes the shortest steps. For longer pulses its steps grow with the square of their length."""
-LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.5, MOVE: 0.12}
+LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.25, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
+STAY_TURN = 0.6
+"""Longest step for STAY, in the same units, over the number of times that a tension turns the
+fastest mode faster than the slowest: 0.12 for 5 cosines. After a snap the beam is stretched."""
 LONGEST_PRESSED = 2.5
 """Longest step for SNAP and EDGE if the mass is pressed on the beam, so that it cannot strike with
 a run-up, and its spring does not hold it back."""
@@ -201,9 +204,11 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
     share = np.where(crosses, 1.0, spring_share(device))
     pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
+    turns = np.sqrt(modal.geometric[..., -1, -1] / modal.geometric[..., 0, 0])
+    longest = LONGEST | {STAY: np.minimum(LONGEST[STAY], STAY_TURN / turns)}
     own_load = np.where(device.has_stops, strike_tightening(device.beam.weight, modal), 0.0)
     return Steps(
-        longest={question: turn * period for question, turn in LONGEST.items()},
+        longest={question: turn * period for question, turn in longest.items()},
         shortest=SHORTEST * period,
         blows=BLOWS * period,
         pressed=pressed * period,

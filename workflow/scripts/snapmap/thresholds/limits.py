@@ -1,7 +1,11 @@
 """Limits of thresholds: of slow pulses and of short ones, and the law of slow ones."""
 
+from functools import partial
+
 import numpy as np
 
+from ..solver.kept import kept
+from ..solver.options import Chosen
 from ..solver.settings import FIRST
 from ..study.axes import Grid, rows_of
 from .search import Search
@@ -18,18 +22,25 @@ NO_AREA = 1e-3
 """Area below which a pulse leaves no change of velocity that could trip."""
 
 
-def limits_of(search: Search, grid: Grid) -> dict[str, tuple]:
+def limits_of(search: Search, grid: Grid, chosen: Chosen) -> dict[str, tuple]:
     """Find areas of pulses, and limits of slow and short ones; of a train's strongest blow.
 
-    Returns variables with their dimensions.
+    chosen: the model of the search
+    Returns variables with their dimensions. What short pulses need does not depend on f0, and is
+    kept for the next calls with the same device and C.
     """
     first, last = grid.device_of.ndim, len(grid.axes) - 2
     dims, sizes = tuple(grid.axes), grid.shape[first:last]
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     impact = np.array([pulse.impact for pulse in grid.pulses])
+    find = partial(_find_velocity_change, search, single, sizes)
+    places = single.device_of.tobytes(), tuple(grid.axes["C"].tolist())
+    pulses = tuple((pulse.pieces.tobytes(), pulse.ends) for pulse in single.pulses)
+    how = search.settings, search.tolerance, search.highest, search.from_bound
+    others = "velocity change", sizes, *places, pulses, how
     return {
         "N_static": (dims[:last], _find_static(search, grid, single, sizes)),
-        "velocity_change": ((*dims[:last], "C"), _find_velocity_change(search, single, sizes)),
+        "velocity_change": ((*dims[:last], "C"), kept(find, grid.device, chosen, *others).copy()),
         "area": (dims[first:last], abs(impact).reshape(sizes)),
     }
 

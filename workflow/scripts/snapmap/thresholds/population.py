@@ -15,7 +15,7 @@ from ..device.device import batch as batch_of
 from ..device.samples import SHOCK_FACTORS, nominal_value
 from ..solver.adaptive import Adaptive, choose_model, choose_survey
 from ..solver.cells import Rows, to_rows
-from ..solver.models import Follows
+from ..solver.models import Follows, follow_twice
 from ..solver.motion import largest_stress
 from ..solver.options import Chosen
 from ..solver.outcome import LATCHED, label, side_at_end
@@ -117,34 +117,44 @@ class Batch:
         return N_first, nominal, ragged
 
     def meets(self, required: Shock, rows: Rows, settings: Run) -> np.ndarray:
-        """Tell whether each sample meets a requirement in each row, (samples, rows).
+        """Tell whether each sample surely and possibly meets a requirement, (2, samples, rows).
 
-        A sample that must trip is followed to the end, to see whether it stays.
+        A sample that must trip is followed to the end in two steps, to see whether it stays: surely
+        if it does in both, possibly if in one.
         """
+        shape = self.bistable.size, rows.f0.size
         if required.snaps == ANY:
-            return np.repeat(self.bistable[:, np.newaxis], rows.f0.size, axis=1)
-        snaps = np.zeros((self.bistable.size, rows.f0.size), bool)
+            return np.broadcast_to(self.bistable[:, np.newaxis], (2, *shape))
+        snaps = np.zeros((2, *shape), bool)
         if self.size:
             levels = np.repeat(required.N * self.factors["N"], rows.f0.size)[:, np.newaxis]
             every = self._rows(rows)
-            met = Probe(self.model, every, settings).snaps(levels)
+            arrive = Probe(self.model, every, settings).snaps(levels)
+            met = np.array([arrive, arrive])
             if required.snaps is True:
-                cells = every.cells(self.model.device, levels, settings.horizon)
-                runs = self.model.follow(cells.take(met), settings.but(until="settled"))
-                met[met] = side_at_end(runs, settings.energy_tolerance) == 2
-            snaps[self.bistable] = met.reshape(self.size, -1)
+                finest = self.models.levels[-1]
+                cells = every.cells(finest.device, levels, settings.horizon).take(arrive)
+                stay = [
+                    side_at_end(run, settings.energy_tolerance) == 2
+                    for run in follow_twice(finest, cells, settings.but(until="end"))
+                ]
+                met[:, arrive] = np.all(stay, axis=0), np.any(stay, axis=0)
+            snaps[:, self.bistable] = met.reshape(2, self.size, -1)
         return (snaps == bool(required.snaps)) & self.bistable[:, np.newaxis]
 
-    def latched(self, samples: int, N: np.ndarray, rows: Rows, settings: Run) -> np.ndarray:
-        """Count how many of the first samples latch, (rows, N)."""
-        count, every = np.zeros((rows.f0.size, N.size), np.int64), self._rows(rows)
-        for i in range(np.count_nonzero(self.bistable[:samples])):
-            part = every.take(slice(i * len(count), (i + 1) * len(count)))
-            levels = N * self.factors["N"][i]
-            cells = part.cells(self.model.device, levels, settings.horizon)
-            runs = self.model.follow(cells, settings)
-            count += label(runs, settings.energy_tolerance) == LATCHED
-        return count
+    def latched(self, N_first: np.ndarray, N: np.ndarray, rows: Rows, settings: Run) -> np.ndarray:
+        """Count how many of the first samples latch, (rows, N).
+
+        N_first: their thresholds, multiples of g, (samples, rows), below which none snaps
+        """
+        model = self.models.check if isinstance(self.models, Adaptive) else self.models
+        first = N_first[self.bistable[: len(N_first)]]
+        levels = np.repeat(self.factors["N"][: len(first)], rows.f0.size)[:, np.newaxis] * N
+        every, above = self._rows(rows).take(slice(first.size)), first.reshape(-1, 1) <= N
+        cells = every.cells(model.device, levels, settings.horizon).take(above)
+        runs = model.follow(cells, settings.but(until="end"))
+        above[above] = label(runs, settings.energy_tolerance) == LATCHED
+        return above.reshape(len(first), rows.f0.size, N.size).sum(axis=0)
 
     def stresses(self, study: Study, required: Shock, C: np.ndarray) -> np.ndarray:
         """Find the largest stress, MPa, in bistable samples under each of a requirement's shocks.

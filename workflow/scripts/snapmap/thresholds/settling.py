@@ -5,14 +5,11 @@ from functools import partial
 import numpy as np
 
 from ..solver.cost import steps_and_seconds
-from ..solver.outcome import LATCHED, label
+from ..solver.outcome import LATCHED, REPEATED_STEP, label
 from .probe import Probe, amplitudes, walk
 
 LATCHED_STEP = 0.01
 """Relative step of the amplitudes that are followed to their end."""
-LONGER = 4.0
-"""Factor on the time step with which the highest amplitude must latch, too: ringing beams may do so
-by chance."""
 RUN_STEPS = 2e6
 """Most time steps of a run to its end; rows of slower pulses are left out."""
 
@@ -22,7 +19,7 @@ def lowest_latched(probe: Probe, low: np.ndarray, high: np.ndarray) -> np.ndarra
 
     low, high: range of N that is tried, multiples of g, (rows,), NaN for none
     Runs go to their end, whatever the probe asks. The search goes down from the highest N, which
-    must latch with a time step LONGER, too.
+    must latch in the REPEATED_STEP, too, as ringing beams may do so by chance.
     """
     model, rows, settings, *_ = probe
     cells = rows.cells(model.device, 0.0, settings.horizon)
@@ -40,6 +37,6 @@ def lowest_latched(probe: Probe, low: np.ndarray, high: np.ndarray) -> np.ndarra
         runs = model.follow(cells, settings)
         return (label(runs, settings.energy_tolerance) != LATCHED)[:, ::-1]
 
-    highest = walk(partial(leaves, model.with_step(LONGER)), every, 0, np.minimum(size, 1))
+    highest = walk(partial(leaves, model.with_step(REPEATED_STEP)), every, 0, np.minimum(size, 1))
     down = walk(partial(leaves, model), every, 0, highest * size)
     return np.where(down > 0, N[every, size - np.maximum(down, 1)], np.nan)

@@ -107,7 +107,7 @@ def thresholds_of(
     if np.isfinite(peak).any():
         acceleration = columns["N_first"] * grid.device.gravity[rows.device]
         columns["scale_first"] = acceleration / peak[rows.pulse]
-    data = _variables(grid, columns) | limits_of(search, grid) | slow_law(search, grid)
+    data = _variables(grid, columns) | limits_of(search, grid, study.model) | slow_law(search, grid)
     data["status"] = *data["status"], flags(STATUS)
     data["N_first"] = *data["N_first"], {"comment": UNSEEN}
     gravity = float(grid.device.gravity[0])

@@ -111,7 +111,7 @@ def of_batch(made: xr.Dataset, shocks: Shocks, of_C: str) -> list[str]:
     ends = "N_no_fire", "N_all_fire"
     levels = made[[*ends, "ragged"]].to_dataframe().reset_index()
     kept = levels.iloc[evenly(len(levels), LEVELS_SHOWN)]
-    names = {SHAPE: shocks.pulse.name, DIRECTION: shocks.direction}
+    names = {SHAPE: shocks.pulses[0].name, DIRECTION: shocks.directions[0]}
     unknown = missing_fire(fire, size) or "some devices never snap"
     rows = [
         [
@@ -125,9 +125,8 @@ def of_batch(made: xr.Dataset, shocks: Shocks, of_C: str) -> list[str]:
         ]
         for level in (names | row for row in kept.to_dict("records"))
     ]
-    words = (
-        f"{size} devices as made, at {sure} % confidence ({len(kept)} of {len(levels)} pulses):\n"
-    )
+    part = f" ({len(kept)} of {len(levels)} pulses)" if len(kept) < len(levels) else ""
+    words = f"No-fire and all-fire of {size} devices as made, at {sure} % confidence{part}:\n"
     tables = [words, table(head, rows)]
     if "yield" in made:
         shares = zip(made.C.values, made["yield"].values, made.yield_bound.values.T, strict=True)

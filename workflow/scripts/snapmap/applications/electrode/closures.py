@@ -87,11 +87,11 @@ def _follow(model, cells, window, settings):
     def follow(these):
         level, instants = ways[these], [[] for _ in these]
         last = at_start[these][np.newaxis]  # half a step before the start
-        group = cells.take(these), dt[these], steps[these].max()
-        for first, w in simd_loop.midpoints(model, *group, start):
+        group = cells.take(these), dt[these], steps[these], start
+        for first, (w, _) in simd_loop.watch(model, *group):
             w = np.concatenate([last, w])
             for column, place in zip(*passages(w, level), strict=True):
-                instants[column].append(float((first + place - 0.5) * dt[these[column]]))
+                instants[column].append(float((first[column] + place - 0.5) * dt[these[column]]))
             last = w[-1:]
         for i, cell in enumerate(these):
             # A lane runs on beside a longer one.
@@ -106,12 +106,13 @@ def _follow(model, cells, window, settings):
 def closures_again(
     model: Follows, cells: Cells, observed: Observations, settings: Run
 ) -> dict[str, np.ndarray]:
-    """Follow cells of any shape again, each at the level and the step that decided it.
+    """Follow cells of any shape again: those that snap at the finest level, others at their own.
 
     Returns CLOSING as `follow_closures` does, in the shape of the cells; NaN for failed cells.
     """
     flat, size, shape = cells.flat(), len(model.device), np.shape(cells.f0)
     level = np.zeros(shape, np.int8) if observed.level is None else observed.level
+    level = np.where(np.isfinite(observed.t_snap), len(model.levels) - 1, level)
     decided = np.stack([level.ravel(), observed.halvings.ravel()])
     observed = observed.shaped((flat.f0.size,))
     place = np.broadcast_to(model.device.contact_at, size)[flat.device]

@@ -21,7 +21,7 @@ from ...solver.kernel.tables import look_up
 from ...solver.models import Model
 from ...solver.options import section_of
 from ...solver.outcome import label
-from ...solver.settings import FIRST, Run
+from ...solver.settings import FIRST, SHOWN, Run
 from ...study.arguments import SingleStudy
 from ...study.axes import frequencies
 from ...study.provenance import device_sections
@@ -100,8 +100,8 @@ def simulate(
 
 def history_of(study: Study, N: float, f0: float, C: float) -> xr.Dataset:
     """Follow one cell of a study of one device and pulse, as `simulate` does."""
-    device, settings = study.device, study.run.but(until="moved")
-    built, cells, observed = _cell(study, N, f0, C)
+    device, settings = study.device, study.run.but(until=SHOWN)
+    built, cells, observed = _cell(study, N, f0, C, SHOWN)
     outcome = label(observed, settings.energy_tolerance).item()
     dt, values, extremes = _record(built, cells, settings, SAMPLES)
     warn_of_travel(free_travel(device, *extremes[:2]))
@@ -156,24 +156,26 @@ def extremes_of(study: Study, N: float, f0: float, C: float, step: float = 1.0) 
 
     step: time step over the default one
     """
-    built, cells, _ = _cell(study, N, f0, C)
+    built, cells, _ = _cell(study, N, f0, C, "moved")
     return _record(built.with_step(step), cells, study.run, samples=1)[-1]
 
 
 def observed_of(study: Study, N: float, f0: float, C: float) -> tuple[Extremes, dict[str, float]]:
     """Find the extremes of one cell, and what other applications add to its history, by name."""
-    built, cells, _ = _cell(study, N, f0, C)
+    built, cells, _ = _cell(study, N, f0, C, "moved")
     extremes = _record(built, cells, study.run, samples=1)[-1]
     added = merge(lambda part: part.in_history(built, cells, study.run))
     return extremes, added
 
 
-def _cell(study: Study, N: float, f0: float, C: float) -> tuple[Any, Cells, Observations]:
+def _cell(
+    study: Study, N: float, f0: float, C: float, until: str
+) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
     horizon, pulses = study.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
     model = choose_model(study.device, study.model, study.start).levels[-1]
-    moved = study.run.but(until="moved")
+    moved = study.run.but(until=until)
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
     observed = model.follow(cells, moved)
@@ -187,13 +189,11 @@ def _record(built, cells, settings, samples):
     """
     from .motion import record  # imported when a run begins: a plan needs no compiler
 
-    dt = built.time_steps(cells, settings.but(until="moved")).item()
-    amplitude, per_us, damping, t_end = (column.item() for column in cells[2:6])
-    steps = int(np.ceil(t_end / dt))
+    dt = built.time_steps(cells, settings.but(until="moved"))
+    steps, start = np.ceil(cells.t_end / dt).item(), settings.start
     stride = 1 << (max(1, int(steps / samples)).bit_length() - 1)
     shock, device, first = cells.pulses[0], built.device, built.barrier.first
-    start = settings.start
-    form, motions = record(built, shock, amplitude, per_us, damping, dt, steps, start)
+    form, motions = record(built, cells, dt, start, jumps=samples == 1)
     side = 1 if start == FIRST else -1
     target = built.snap_target(start) + side * first
     stress, rest = stress_of(device.beam, built.basis, form.shapes), first + device.gap
@@ -213,12 +213,12 @@ def _record(built, cells, settings, samples):
         done += motion.time.size
     extremes = Extremes(*largest.tolist(), float(to_snap))
     values = {key: np.concatenate([part[key] for part in kept]) for key in kept[0]}
-    shaken = amplitude * shock.at(per_us * values["time"])
+    shaken = cells.amplitude * shock.at(cells.f0 * values["time"])
     if device.force:
         values["midpoint_force"] = shaken / device.gravity * device.force
     else:
         values["acceleration"] = shaken
-    return dt, values, extremes
+    return dt.item(), values, extremes
 
 
 def _stress_to(target, w, stress):

@@ -7,17 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...numerics.linalg import dot, multiply
-from ...pulse.pulse import Pulse, table
+from ...solver.cells import Cells
 from ...solver.kernel import rows as R
-from ...solver.kernel.lanes import load
-from ...solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
-from ...solver.kernel.trace import keep_block
-from ...solver.lane_laws import raise_error
+from ...solver.kernel.trace import keep_motion
 from ...solver.ledger import CellRun
 from ...solver.models import Model
 from ...solver.plain_loop import follow, starting
 from ...solver.settings import FIRST
-from ...solver.simd_loop import WINDOW, coefficients, empty_lanes
+from ...solver.simd_loop import begin, in_windows, may_jump
 
 
 class Motion(NamedTuple):
@@ -55,23 +52,39 @@ class Form(NamedTuple):
 
 
 def record(
-    model: Model,
-    pulse: Pulse,
-    amplitude: float,
-    f0: float,
-    damping: float,
-    dt: float,
-    steps: int,
-    start: str = FIRST,
+    model: Model, cells: Cells, dt: np.ndarray, start: str = FIRST, jumps: bool = False
 ) -> tuple[Form, Iterator[Motion]]:
-    """Follow one cell, bit for bit as a run with `until` "moved", and record every step.
+    """Follow one cell to its end, bit for bit as a run with `until` "shown", and record every step.
 
-    model: of one device; dt: us
+    model: of one device; cells: the cell; dt: us, (1,)
+    jumps: whether to leave out quiet time, except by the plain loop
     Returns the Form, and an iterable of a Motion for each window of steps.
     """
+    steps = np.ceil(cells.t_end / dt).astype(np.int64)
     if model.name == "reference":
-        return _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start)
-    form, motions = _by_kernel(model, pulse, amplitude, f0, damping, dt, steps, start)
+        return _by_plain_loop(model, cells, dt.item(), steps.item(), start)
+    modal, (lanes, (shrink, *_)) = model.modal, begin(model, cells, dt, start)
+    form = Form(
+        inertia=np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4),
+        bending=np.diag(modal.stiffness),
+        geometric=modal.geometric,
+        slope_start=modal.slope_start,
+        midpoint=modal.midpoint,
+        residual=modal.residual,
+        shapes=modal.shapes,
+    )
+
+    def keep(size):
+        states = np.empty((2, size, R.VECTORS + R.U * model.modes - R.STATE))
+        keep_motion(*lanes, *states)
+        return states
+
+    windows = in_windows(model, lanes, steps, keep, jumps and may_jump(model, cells))
+    parts = (
+        (first.item(), *states[:, : (steps - first).item()].swapaxes(1, 2))
+        for first, states in windows
+    )
+    motions = (_motion(model, cells.damping, dt, shrink, *part) for part in parts)
     return form, chain([_at_rest(form, model.rest(start))], motions)
 
 
@@ -82,26 +95,8 @@ def _at_rest(form, modes):
     return Motion(zero, u, 0 * u, zero, zero, stretch, work=zero, lost=zero)
 
 
-def _by_kernel(model, pulse, amplitude, f0, damping, dt, steps, start):
-    modal, lanes, pulses, state = model.modal, empty_lanes(model), table([pulse]), no_pulse()
-    load(*lanes, 0, coefficients(model, -np.inf, start)[0], damping, amplitude, dt)
-    begin_pulse(lanes[0], 0, state, pulses, 0, f0 * dt)
-    shrink = lanes[0][:: R.LANES][R.VECTORS + R.U * model.modes :][: model.modes].copy()
-    form = Form(
-        inertia=np.diag(1 / (shrink * shrink) - dt * dt * modal.stiffness / 4),
-        bending=np.diag(modal.stiffness),
-        geometric=modal.geometric,
-        slope_start=modal.slope_start,
-        midpoint=modal.midpoint,
-        residual=modal.residual,
-        shapes=modal.shapes,
-    )
-    windows = _pairs(model, lanes, pulses, state, steps)
-    return form, (_motion(model, damping, dt, shrink, *window) for window in windows)
-
-
 def _motion(model, damping, dt, shrink, first, before, after):
-    """The Motion of a window of `_pairs`; shrink: coordinates u over those of the kernel."""
+    """The Motion of a window; before, after: states around its steps, (rows, steps)."""
     modes, middle = model.modes, (before + after) / 2
     p, p_step = (R.VECTORS - R.STATE + modes * v + np.arange(modes) for v in (R.P, R.D))
     lost = damping * after[R.SWEPT - R.STATE]
@@ -118,24 +113,11 @@ def _motion(model, damping, dt, shrink, first, before, after):
     )
 
 
-def _pairs(model, lanes, pulses, pulse_state, steps):
-    """Yield the first step of each window, and the states around its steps, (rows, steps)."""
-    shocks, rows = np.zeros(BLOCK * R.LANES), R.VECTORS + R.U * model.modes - R.STATE
-    for first in range(0, steps, WINDOW):
-        before, after = np.empty((2, min(WINDOW, steps - first), rows))
-        for step in range(0, len(before), BLOCK):
-            pulse_state.steps[:] = first + step
-            set_out(lanes[0], shocks, pulse_state, pulses)
-            block = slice(step, step + BLOCK)
-            keep_block(*lanes, shocks, before[block], after[block])
-        raise_error(model.laws, lanes[2])
-        yield first, before.T, after.T
-
-
-def _by_plain_loop(model, pulse, amplitude, f0, damping, dt, steps, start):
+def _by_plain_loop(model, cells, dt, steps, start):
     system, n = starting(model, start), model.basis.load.size
+    amplitude, f0, damping = (column.item() for column in cells[2:5])
     history = np.zeros((steps, 2 * n + 4))
-    run = CellRun(pulse.curve, amplitude, f0, damping, -np.inf, dt, steps, history)
+    run = CellRun(cells.pulses[0].curve, amplitude, f0, damping, -np.inf, dt, steps, history)
     follow(system, run)
     form = Form(
         inertia=system.inertia,

@@ -4,29 +4,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...solver.adaptive import Adaptive, choose_model
+from ...solver.adaptive import choose_model
 from ...solver.cells import Observations
-from ...solver.outcome import REPEATED_STEP
+from ...solver.models import follow_twice
 from ...study.axes import Grid, rows_of
 from ...study.study import Study
 
 # ASSUME: a shock machine repeats its peak to 1 % at best, so a beam that must stay has to stay at
 # these factors of N, too.
 NEAR = 1 + np.arange(-10, 11) / 1000
-STEPS = 1.0, REPEATED_STEP
-"""Factors on the time step under which a required shock is followed."""
 
 
 def follow_near(study: Study, grid: Grid, N: Sequence[float]) -> list[Observations]:
-    """Follow the rows of a grid to the end, at each N by the finest level, in each of STEPS.
+    """Follow the rows of a grid to the end twice, at each N by the finest level.
 
     Returns observations, (rows, N), of each step.
     """
     settings = study.run.but(until="settled")
-    cells, runs = rows_of(grid).cells(grid.device, N, settings.horizon), []
-    model = choose_model(grid.device, study.model, settings.start)
-    for step in STEPS:
-        part = model.with_step(step)
-        follow = part.follow_by_top if isinstance(part, Adaptive) else part.follow
-        runs.append(follow(cells.flat(), settings).shaped(cells.f0.shape))
-    return runs
+    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
+    finest = choose_model(grid.device, study.model, settings.start).levels[-1]
+    return follow_twice(finest, cells, settings)

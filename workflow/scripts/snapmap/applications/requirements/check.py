@@ -108,9 +108,9 @@ def _ends(runs, tolerance):
     RETURNS if none stays, though some may still swing.
     """
     sides = np.stack([side_at_end(run, tolerance) for run in runs], axis=1)
-    arrive = np.stack([np.isfinite(run.t_snap) for run in runs], axis=1)
+    ended = np.stack([np.isfinite(run.t_snap) & (run.well > 0) for run in runs], axis=1)
     ends, shares = [], []
-    for side, which in zip(sides, arrive, strict=True):
+    for side, which in zip(sides, ended, strict=True):
         stays = side[which] == 2
         gone = RETURNS if (side[which] == 1).any() else OPEN
         ends.append((STAYS if stays.all() else DIFFERS) if stays.any() else gone)

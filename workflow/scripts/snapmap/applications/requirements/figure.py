@@ -80,7 +80,13 @@ def _factor(verdict):
 
 
 def _name(verdict, unit):
-    shock = f"{verdict.shock.replace('-', '−')}, {number(verdict.temperature)} °C"
+    shock = f"{verdict.shock.replace('-z', '−z')}, {number(verdict.temperature)} °C"
+    shock = shock.replace(f"{verdict.drop}, ", f"{verdict.drop},\n") if verdict.drop else shock
     where = [verdict.device, shock, value_text("C", verdict.C, unit)]
-    name = must_text(captions.literal(verdict.requirement), verdict.must_snap)
+    name = required_text(verdict.requirement, verdict.must_snap)
     return f"{name}\n{', '.join(filter(None, where))}"
+
+
+def required_text(name: str, must_snap: bool | int | str) -> str:
+    """Write a requirement's name and what the device must do, for a figure."""
+    return must_text(captions.literal(name), must_snap)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ...study.shock import Shock
-from ...study.study import ANY, Study
+from ...study.study import ANY
 from ..application import Config
 from .verdict import Verdict, at_corner
 
@@ -24,7 +24,7 @@ class Required(Protocol):
     def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
         """Judge each device at each temperature and C (uN us/um)."""
 
-    def require(self, study: Study) -> None:
+    def require(self, study: Config) -> None:
         """Raise ValueError, one line, if the study cannot have this requirement."""
 
     def plain(self) -> dict[str, Any]:
@@ -55,8 +55,11 @@ class RequiredShock(Shock):
             judged.append(judge(found, shaken.device, self.survives))
         return judged
 
-    def require(self, study: Study) -> None:
-        """Raise ValueError if a device lacks a strength or frame that the requirement needs."""
+    def require(self, study: Config) -> None:
+        """Raise ValueError if a device lacks what the requirement needs, or a batch its scatter."""
+        if self.share and not study.requests.get("tolerances"):
+            need = "write what scatters, such as tolerances: {thickness: 3 %}"
+            raise ValueError(f"share of {self.name}: needs devices as made; {need}")
         unbreakable = any(np.isinf(device.strength) for device in study.devices().values())
         if self.snaps == ANY and not self.more and unbreakable:
             what = f"snaps: any of {self.name}"

@@ -13,9 +13,6 @@ from ...study.study import Study
 from ...study.variables import dress
 from ...sweeps.cube import thin
 
-STRETCH = 800
-"""Number of steps for which cells are followed at a time, up to their end or beyond it."""
-
 
 def stress_of_cube(study: Study, cube: xr.Dataset) -> xr.Dataset:
     """Follow the cells of a study's cube again, at its steps, for the largest stress.
@@ -35,7 +32,7 @@ def stress_of_cube(study: Study, cube: xr.Dataset) -> xr.Dataset:
     stress = np.full(cells.device.size, np.nan, np.float32)
     decided = np.stack([level, cube.halvings.values.ravel()])
     for at, part in deciders(levels, cells.device, decided, np.flatnonzero(cells.device >= 0)):
-        stress[at] = follow_stress(part, cells.take(at), window[at], settings, STRETCH)
+        stress[at] = follow_stress(part, cells.take(at), window[at], settings)
     dims, number = cube.outcome.dims, np.maximum(grid.device_of, 0)
     strength = (grid.device.strength + grid.device.strength_threshold)[number]
     data = {

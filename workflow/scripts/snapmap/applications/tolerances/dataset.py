@@ -196,7 +196,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:
         size = tolerances.followed(nominal.size * N.size)
-        count = batch.latched(size, N, rows, settings).reshape(*shape, N.size)
+        count = batch.latched(N_first[:size], N, rows, settings).reshape(*shape, N.size)
         data |= _share("latched", count, size, along)
     if requirements:
         named["requirement"] = [required.name for required in requirements]
@@ -256,9 +256,9 @@ def _requirements(batches, study, requirements, C, tolerance):
         for batch, shocks in product(batches, required.shocks.each()):
             rows = to_rows(0, required.f0, C, 0, shocks.pulses)
             levels.append(batch.thresholds(rows, settings, tolerance)[0])
-            surely = batch.meets(required, rows, settings)
+            surely, possibly = batch.meets(required, rows, settings)
             is_close = abs(levels[-1] / required.N - 1) <= tolerance * (required.snaps != ANY)
-            met.append([surely & ~is_close, surely | is_close])
+            met.append([surely & ~is_close, possibly | is_close])
         # NaN, where nothing snaps, is above every N.
         worst = np.maximum if required.snaps in (True, ARRIVES) else np.fmin
         first.append(worst.reduce(levels))

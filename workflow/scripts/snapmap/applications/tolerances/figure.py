@@ -17,9 +17,8 @@ from ...files.text import plain
 from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
-from ..requirements.figure import WRONG
+from ..requirements.figure import WRONG, required_text
 from ..requirements.shares import missing_fire
-from ..requirements.verdict import must_text
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Dashes of the lines at which these shares of devices snap."""
@@ -193,7 +192,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ax.hist(known, bins="sqrt", color="#0072b2", alpha=0.8)
     ax.axvline(N, color="black", linewidth=0.8, label="required $N$")
     words = ", ".join(filter(None, where))
-    ax.set_title(f"{must_text(captions.literal(data.requirement.item()), must)}\n{words}")
+    ax.set_title(f"{required_text(data.requirement.item(), must)}\n{words}")
     label = f"threshold $N$ ({captions.multiples(data.attrs)})"
     ax.set(xlim=(low, high), xlabel=label, ylabel="devices")
     ax.locator_params(axis="y", integer=True)

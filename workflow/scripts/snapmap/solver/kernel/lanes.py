@@ -47,7 +47,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
-    stop_at_snap, stop_after_pulse: whether a run ends there too
+    stop_at_snap: whether a run ends there too
     jumps: whether runs leave out quiet time (`quiet`)
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -62,7 +62,6 @@ class Task(NamedTuple):
     t_end: np.ndarray
     dt: np.ndarray
     stop_at_snap: bool
-    stop_after_pulse: bool
     jumps: bool
     tolerance: float
     facts: Facts
@@ -96,6 +95,7 @@ def load(
         X[name, l] *= square
     X[R.RESIDUAL, l] /= square
     X[R.ALPHA, l] *= dt
+    X[R.C, l], X[R.DT, l] = damping, dt
     for i in range(modes):
         stiffness = square * of_modes[i]
         half = min(np.sqrt(stiffness), EXACT) / 2
@@ -125,13 +125,11 @@ def load(
     X[R.GAMMA, l] = gamma = b * X[R.AXIAL, l] / 2
     X[R.SOFTENING, l] = b * gamma / 2
     X[R.COMPLIANCE, l] = (b * ee + X[R.B, l]) / 2
-    begin(X, V, modes, l, laws, damping, dt)
+    begin(X, V, modes, l, laws)
 
 
 @inlined
-def begin(
-    X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None, damping: float, dt: float
-) -> None:
+def begin(X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None) -> None:
     """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
     for i in range(modes):
@@ -142,7 +140,7 @@ def begin(
         w += V[R.E, i, l] * V[R.P, i, l]
     X[R.OVERLAP, l] = w - X[R.Z0, l]
     if laws is not None:
-        begin_laws(X, l, laws, damping, dt, w)
+        begin_laws(X, l, laws, w)
     X[R.W, l] = X[R.LOWEST, l] = X[R.SIDE, l] * w
     beam, mass, contact, _ = energies(X, V, modes, l)
     X[R.AT_START, l] = beam + mass + contact
@@ -167,7 +165,6 @@ def check_lane(
     in_pulse = steps - 1 < state.lasts[l]
     stopped = snapped and task.stop_at_snap
     ended = steps * dt > task.t_end[cell] or not np.isfinite(X[R.Y, l]) or stopped
-    ended |= task.stop_after_pulse and not in_pulse
     if in_pulse and not ended:
         return False
 
@@ -268,6 +265,16 @@ def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
 
 
 @compiled
+def leave_out(work: np.ndarray, shape: Shape, l: int, state: PulseState, pulses: Pulses) -> None:
+    """Let lane l jump over quiet time, after a block within its pulse."""
+    X, V = numbers(work), vectors(work, len(shape))
+    blocks = blocks_left(X, l, state, pulses)
+    if blocks > 0:
+        beam, mass, contact, _ = energies(X, V, len(shape), l)
+        jump(work, shape, l, blocks, state, beam + mass + contact, X[R.C, l] * X[R.DT, l])
+
+
+@compiled
 def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
     widen_vectors()
@@ -302,8 +309,4 @@ def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task
                 cell_in[l], state.lasts[l] = -1, 0
                 running -= 1
             elif laws is None and task.jumps and state.steps[l] < state.lasts[l]:
-                blocks = blocks_left(X, l, state, task.pulses)
-                if blocks > 0:
-                    beam, mass, contact, _ = energies(X, V, len(shape), l)
-                    drag = task.damping[cell_in[l]] * task.dt[cell_in[l]]
-                    jump(work, shape, l, blocks, state, beam + mass + contact, drag)
+                leave_out(work, shape, l, state, task.pulses)

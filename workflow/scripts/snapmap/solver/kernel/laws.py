@@ -102,9 +102,8 @@ def potential(X: Rows, l: int, law: int, x: float):
 
 
 @inlined
-def begin_laws(X: Rows, l: int, laws: LaneLaws, damping: float, dt: float, w: float):
+def begin_laws(X: Rows, l: int, laws: LaneLaws, w: float):
     """Set the rows of laws in lane l; w: w(L/2) from rest, um."""
-    X[R.C, l], X[R.DT, l] = damping, dt
     X[R.YIELDS, l] = X[R.COMPLIANCE, l] - X[R.B, l] / 2
     if laws.tabled:
         X[R.CONTACT, l] = X[R.HALF_CONTACT, l] = 0.0

@@ -23,7 +23,7 @@ HALF_CONTACT, GAMMA, SOFTENING, COMPLIANCE, HELD = range(34, 39)
 A, EP, DY_FREE, OVERLAP_FREE, BETA = range(39, 44)
 Q_FREE, INVERSE, EU, FORCE, SWITCHES = range(44, 49)
 LAST_SWING, SINCE, BEYOND_SINCE, WORST, AT_START, LOWEST = range(49, 55)
-# Of a user's laws; TABLE, and rows from PER on, are two, of contact and force.
+# C and dt; of a user's laws; TABLE, and rows from PER on, are two, of contact and force.
 C, DT, YIELDS, DRAG, DY_BEFORE, LOW, HIGH, FAR, FREE, HOLD = range(55, 65)
 PER, PLACE, SHARE, MISS, GUESS, FROM, RISE, PUSH, PUSH_BEFORE = range(65, 83, 2)
 ENERGY, ENERGY_BEFORE, CUBIC = 83, 85, 87

@@ -1,117 +1,90 @@
-"""Runs that record the motion or the largest stress."""
+"""Runs that record the motion, or what is seen of it: the midpoint and the largest stress."""
 
 import numpy as np
 
 from ...numerics.kernels import compiled, inlined, widen_vectors
 from . import rows as R
 from .access import numbers, vectors
-from .lanes import half_step_midpoint, load
+from .lanes import half_step_midpoint, leave_out
 from .laws import LaneLaws
-from .pulse import BLOCK, Pulses, PulseState, begin_pulse, no_pulse, set_out
+from .pulse import BLOCK, Pulses, PulseState, set_out
 from .rows import LANES, Rows, Shape
 from .step import advance, rebound
 
 
 @compiled
-def follow_stress(
-    work: np.ndarray,
-    shape: Shape,
-    laws: LaneLaws | None,
-    devices: np.ndarray,
-    dt: np.ndarray,
-    pulses: Pulses,
-    cells: tuple[np.ndarray, ...],
-    stress: np.ndarray,
-    largest: np.ndarray,
-) -> None:
-    """Follow up to LANES cells for the largest stress, bit for bit as runs that do not jump.
-
-    Stress is evaluated half way between two instants, where energies are known.
-
-    work: zeros; devices: row of coefficients of each cell, with target -inf, so that w is never
-        latched; dt: us, (cells,); pulses: as in `Task`
-    cells: pulse, amplitude, f0 and damping as in `Task`, and number of steps; each (cells,)
-    stress: rows of `motion.stress_rows` of each cell, modified in place
-    largest: largest stress so far, MPa, (cells,), modified in place
-    """
-    widen_vectors()
-    pulse, amplitude, f0, damping, steps = cells
-    modes = len(shape)
-    X, V = numbers(work), vectors(work, modes)
-    state, shocks = no_pulse(), np.zeros(BLOCK * LANES)
-    for l in range(steps.size):
-        load(work, shape, laws, l, devices[l], damping[l], amplitude[l], dt[l])
-        begin_pulse(work, l, state, pulses, pulse[l], f0[l] * dt[l])
-    for l in range(len(stress)):
-        for place in range(stress.shape[1] - 1):
-            for i in range(modes):
-                stress[l, place, i] *= V[R.U, i, l]
-    for step in range(steps.max()):
-        if step % BLOCK == 0:
-            state.steps[:] = step
-            set_out(work, shocks, state, pulses)
-        advance(work, shape, laws, shocks, step % BLOCK, 1)
-        for l in range(len(stress)):
-            if step < steps[l]:
-                most = largest_stress(X, V, modes, l, stress[l])
-                largest[l] = max(largest[l], most)
-
-
-@compiled
-def keep_block(
-    work: np.ndarray,
-    shape: Shape,
-    laws: LaneLaws | None,
-    shocks: np.ndarray,
-    before: np.ndarray,
-    after: np.ndarray,
-) -> None:
-    """Advance by up to a block, and record the state of lane 0 before and after each step.
-
-    before, after: (steps, rows from STATE on), modified in place
-    """
-    widen_vectors()
-    for step in range(before.shape[0]):
-        rebound(work)
-        for i in range(before.shape[1]):
-            before[step, i] = work[(R.STATE + i) * LANES]
-        advance(work, shape, laws, shocks, step, 1)
-        for i in range(before.shape[1]):
-            after[step, i] = work[(R.STATE + i) * LANES]
-
-
-@compiled
-def keep_midpoints(
+def keep_motion(
     work: np.ndarray,
     shape: Shape,
     laws: LaneLaws | None,
     state: PulseState,
     pulses: Pulses,
-    first: int,
-    midpoints: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
 ) -> None:
-    """Advance all lanes, and record w(L/2) from rest half way through each step, um.
+    """Advance all lanes by blocks, and record the state of lane 0 before and after each step.
 
-    first: number of steps done, a multiple of BLOCK
-    midpoints: (steps, LANES), modified in place
+    state, modified in place, and pulses: as in `begin_pulse`
+    before, after: (steps, rows from STATE on), modified in place
+    """
+    widen_vectors()
+    shocks = np.zeros(BLOCK * LANES)
+    for first in range(0, len(before), BLOCK):
+        set_out(work, shocks, state, pulses)
+        for step in range(BLOCK):
+            rebound(work)
+            for i in range(before.shape[1]):
+                before[first + step, i] = work[(R.STATE + i) * LANES]
+            advance(work, shape, laws, shocks, step, 1)
+            for i in range(before.shape[1]):
+                after[first + step, i] = work[(R.STATE + i) * LANES]
+        state.steps[:] += BLOCK
+
+
+@compiled
+def keep_seen(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    state: PulseState,
+    pulses: Pulses,
+    rows: np.ndarray,
+    midpoints: np.ndarray,
+    stress: np.ndarray,
+) -> None:
+    """Advance all lanes by blocks, and record what is seen half way through each step.
+
+    rows: what makes stress of coordinates and contact of a lane, for each of which it is wanted
+    midpoints, stress: w(L/2) from rest, um, and the largest stress, MPa, (steps, LANES), modified
+        in place
     """
     widen_vectors()
     modes = len(shape)
     X, V, shocks = numbers(work), vectors(work, modes), np.zeros(BLOCK * LANES)
-    for step in range(midpoints.shape[0]):
-        if step % BLOCK == 0:
-            state.steps[:] = first + step
-            set_out(work, shocks, state, pulses)
-        rebound(work)
-        advance(work, shape, laws, shocks, step % BLOCK, 1)
-        for l in range(LANES):
-            midpoints[step, l] = seen_midpoint(X, V, modes, l)
+    for first in range(0, len(midpoints), BLOCK):
+        set_out(work, shocks, state, pulses)
+        for step in range(BLOCK):
+            advance(work, shape, laws, shocks, step, 1)
+            for l in range(LANES):
+                bent = half_step_midpoint(V, modes, l)
+                midpoints[first + step, l] = bent - X[R.RESIDUAL, l] * pressed(X, l)
+            for l in range(len(rows)):
+                stress[first + step, l] = largest_stress(X, V, modes, l, rows[l])
+        state.steps[:] += BLOCK
 
 
-@inlined
-def seen_midpoint(X: Rows, V: Rows, modes: int, l: int) -> float:
-    """Return w(L/2) from rest of lane l half way through the step, um."""
-    return half_step_midpoint(V, modes, l) - X[R.RESIDUAL, l] * pressed(X, l)
+@compiled
+def leap(work: np.ndarray, shape: Shape, state: PulseState, pulses: Pulses) -> None:
+    """Let lanes jump over the rest of quiet times, each once its mass has swung to and fro in it.
+
+    Until then a weak shock may not have shown all its travel and stress.
+    """
+    X = numbers(work)
+    for l in range(LANES):
+        if state.steps[l] < state.lasts[l]:
+            swing = 2 * np.pi * np.sqrt(X[R.M, l] / X[R.K, l])
+            if state.steps[l] - X[R.BEGIN, l] / X[R.X_STEP, l] > swing:
+                leave_out(work, shape, l, state, pulses)
 
 
 @inlined
