@@ -104,9 +104,8 @@ def ends(cases, cosines, step):
     for device, pulses, f0, C, N, horizon in cases:
         model = build_model(batch([device]), Cosines(modes=cosines)).with_step(step)
         cells = to_cells(model.device, 0, N * FACTORS, f0, C, horizon, 0, pulses)
-        model.follow(
-            cells.take(np.zeros(0, int)), Run(horizon=horizon).but(until="end")
-        )  # compiles
+        settings = Run(horizon=horizon).but(until="end")
+        model.follow(cells.take(np.zeros(0, int)), settings)  # compiles
         begin = process_time()
         run = model.follow(cells, settings)
         seconds += process_time() - begin

@@ -126,10 +126,7 @@ def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] 
     is_row = scale.places.size > 1 and not scale.is_counted
     ends = scale.places if is_row else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
-    label = axis_label(scale.key, attributes, scale.unit)
-    if not style.is_ours(ax):
-        label = label.replace(LABELS[scale.key], WORDS[scale.key] or LABELS[scale.key], 1)
-    axis.set_label_text(label)
+    axis.set_label_text(label_in(ax, scale.key, attributes, scale.unit))
     if not is_row:
         tick_values(axis, scale.places, scale.values)
     else:
@@ -184,6 +181,12 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     unit = captions.multiples(attributes) if key == "N" else unit or unit_of(key)
     label = LABELS[key]
     return f"{label} ({unit})" if unit else label
+
+
+def label_in(ax: Axes, key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -> str:
+    """Write `axis_label`, in axes of a user's own with the symbol alone, as they may be small."""
+    label = axis_label(key, attributes, unit)
+    return label if style.is_ours(ax) else label.replace(LABELS[key], WORDS[key] or LABELS[key], 1)
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:

@@ -50,7 +50,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
 
 def _set_ends(ax, surface):
     """Let the axis of N go as far as thresholds vary, whatever their limits are."""
-    ax.set(yscale="log", ylabel=scales.axis_label("N", surface.attrs))
+    ax.set(yscale="log", ylabel=scales.label_in(ax, "N", surface.attrs))
     error = surface.N_error.where(np.isfinite(surface.N_error), 0)
     N = xr.concat([surface.N_first - error, surface.N_first + error], "end")
     known = np.concatenate([np.ravel(ends) for ends in (N, surface.N_always, surface.N_latched)])
