@@ -15,13 +15,12 @@ from snapmap.applications.requirements.shares import missing_fire, with_shares
 from snapmap.applications.requirements.summary import of_batch, summary
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.tolerances import application as tolerances
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.device.device import batch as batch_of
 from snapmap.numerics.statistics import share_bounds
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells
-from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 from snapmap.values.faults import Faults
@@ -31,7 +30,7 @@ F0, C = [1500.0], [25.0]
 
 def cheap(device):
     """A study by three cosines, to 300 us after a shock."""
-    return Study(device, model={"name": "cosines", "modes": 3}, run=Run(horizon=300.0))
+    return Study(device, model={"name": "cosines", "modes": 3}, horizon=300.0)
 
 
 def made_of(count, samples, confidence=0.95, C=25.0):
