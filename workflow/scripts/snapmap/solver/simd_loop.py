@@ -43,12 +43,12 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         t_end=cells.t_end,
         dt=dt,
         stop_at_snap=settings.until in ("snap", "edge"),
-        jumps=settings.until != SHOWN and may_jump(model, cells),
         tolerance=settings.energy_tolerance,
         facts=facts,
     )
     lanes = empty_lanes(model)
-    follow_all(*lanes, task)
+    leaps = () if settings.until != SHOWN and may_jump(model, cells) else None
+    follow_all(*lanes, leaps, task)
     raise_error(model.laws, lanes[2])
     return facts
 

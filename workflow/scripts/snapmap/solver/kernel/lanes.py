@@ -48,7 +48,6 @@ class Task(NamedTuple):
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
     stop_at_snap: whether a run ends there too
-    jumps: whether runs leave out quiet time (`quiet`)
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
 
@@ -62,7 +61,6 @@ class Task(NamedTuple):
     t_end: np.ndarray
     dt: np.ndarray
     stop_at_snap: bool
-    jumps: bool
     tolerance: float
     facts: Facts
 
@@ -275,8 +273,13 @@ def leave_out(work: np.ndarray, shape: Shape, l: int, state: PulseState, pulses:
 
 
 @compiled
-def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task) -> None:
-    """Follow all cells of a `Task`, each until its well is proven or t_end is past."""
+def follow_all(
+    work: np.ndarray, shape: Shape, laws: LaneLaws | None, leaps: tuple[()] | None, task: Task
+) -> None:
+    """Follow all cells of a `Task`, each until its well is proven or t_end is past.
+
+    leaps: () if runs leave out quiet time, else None, by whose type they are compiled without it
+    """
     widen_vectors()
     work[:] = 0.0
     X, V = numbers(work), vectors(work, len(shape))
@@ -308,5 +311,5 @@ def follow_all(work: np.ndarray, shape: Shape, laws: LaneLaws | None, task: Task
                 work[l::LANES] = 0.0
                 cell_in[l], state.lasts[l] = -1, 0
                 running -= 1
-            elif laws is None and task.jumps and state.steps[l] < state.lasts[l]:
+            elif leaps is not None and state.steps[l] < state.lasts[l]:
                 leave_out(work, shape, l, state, task.pulses)
