@@ -4,6 +4,7 @@ import os
 import sys
 from contextlib import suppress
 from functools import partial
+from graphlib import TopologicalSorter
 from inspect import getfile
 from pathlib import Path
 
@@ -25,8 +26,8 @@ os.environ |= {"PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "agg"}
 os.environ |= dict.fromkeys(("PYTHONDONTWRITEBYTECODE", "PYTHONSAFEPATH"), "1")
 from snapmap.applications import attached, gather, refuse_all
 from snapmap.config.devices import nominal
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import doubts, files_of, load_config
+from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.files.atomic import hold, refuse_others, remove_leftovers
 from snapmap.files.named import hold_to_plan, plan_with
@@ -61,8 +62,8 @@ try:
     code = provenance.hash_numbers(scripts / "jobs.py")
     code |= provenance.hash_drawing(scripts / "draw.py")
     if workflow.is_main_process:
-        plan_with(study.files() | code)
-    hold_to_plan(study.files())
+        plan_with(files_of(study) | code)
+    hold_to_plan(files_of(study))
     plan = make_plan(study)
     warnings = doubts(study)
     if workflow.is_main_process:

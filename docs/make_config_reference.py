@@ -5,21 +5,18 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import is_dataclass
 from inspect import getdoc
 from itertools import groupby
 from pathlib import Path
-from typing import get_args
 
 import yaml
 
-from snapmap.config.document import OF_SNAKEMAKE, Document
-from snapmap.config.study import load_config
+from snapmap.applications.whole import Document, load_config
+from snapmap.config.document import OF_SNAKEMAKE
 from snapmap.device.device import VALUES
 from snapmap.solver.options import MODELS
 from snapmap.values.fields import Row, hints, rows
 from snapmap.values.kinds import kind_of
-from snapmap.values.reading import schema
 from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
 
@@ -119,7 +116,7 @@ def _sections(name: str, made: list[type], seen: set[type], said: dict) -> Itera
         if shown:
             yield "Other keys are those above."
     for key, hint in ((key, hint) for one in made for key, hint in hints(one).items()):
-        if (nested := _records(hint)) and not seen.issuperset(nested):
+        if (nested := [*kind_of(hint).records]) and not seen.issuperset(nested):
             inner = f"{name}.{key}".removeprefix("all sections.")
             yield from _sections(
                 f"each of {inner}" if "list[" in str(hint) else inner, nested, seen, said
@@ -130,14 +127,6 @@ def _title(name: str) -> str:
     return name.capitalize() if " " in name else f"`{name}`"
 
 
-def _records(hint: object) -> list[type]:
-    """Find the records in an annotation."""
-    if is_dataclass(hint):
-        return [hint]
-    kind = kind_of(hint)
-    return [*kind.records] if kind else [one for part in get_args(hint) for one in _records(part)]
-
-
 def _table(made: type, name: str, listed: list[Row], said: dict[Row, str]) -> Iterator[str]:
     """Yield the lines of a table of keys; keys of which the same is said have one line."""
     yield "| Key | Meaning | Value | Default |"
@@ -145,9 +134,8 @@ def _table(made: type, name: str, listed: list[Row], said: dict[Row, str]) -> It
     new = [row for row in listed if row not in said]
     for (what, _), group in groupby(new, lambda row: (row.what, row.default)):
         row, *others = group
-        hint = hints(made)[row.key]
-        kind = kind_of(hint)
-        value, example = "" if _records(hint) else row.need, getattr(kind, "example", "")
+        kind = kind_of(hints(made)[row.key])
+        value, example = "" if kind.records else row.need, getattr(kind, "example", "")
         if example.startswith("["):
             example = ""  # in the form of Python
         for words in AGAIN:
@@ -184,7 +172,7 @@ def _default(row: Row) -> str:
 
 def written() -> str:
     """Write the schema by which editors complete and check a config, as JSON."""
-    whole = schema(Document)
+    whole = kind_of(Document).schema()
     del whole["properties"]["run"]["properties"][OF_SNAKEMAKE]
     text = json.dumps({"$schema": DIALECT} | whole, indent=1, ensure_ascii=False)
     return f"{text}\n"

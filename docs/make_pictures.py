@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import snapmap
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
 from snapmap.figures import maps, scales, style
 from snapmap.solver.laws import load_laws
@@ -67,7 +67,7 @@ def main(figures):
 def snaps():
     """The cells of config.yaml at one C, and the thresholds over them."""
     study = load_config(read_document(ROOT / "config" / "config.yaml"))
-    asked = snapmap.Study(study.device, run=study.run.but(threads=2))
+    asked = snapmap.Study(study.device, **vars(study.run.but(threads=2)))
     cells = snapmap.sweep(asked, study.axes["N"], study.axes["f0"], [C])
     fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
     edges = snapmap.threshold(asked, fine, [C])
@@ -80,7 +80,7 @@ def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
     path = ROOT / "examples" / "laws" / f"{law}.py"
     lawful = load_laws(str(path))
     for model, colour, words in (("reference", "0.6", "without"), (lawful, "C5", "with the law")):
-        run = snapmap.simulate(snapmap.Study(device, model, run={"horizon": 0}), N, 1500.0, C)
+        run = snapmap.simulate(snapmap.Study(device, model, horizon=0), N, 1500.0, C)
         ax.plot(run.time, run.w_mid, color=colour, label=words)
     ax.set(title=f"{law.replace('_', ' ')}, N = {N:g}", xlabel="time (µs)", xlim=(0, 667))
     ax.set_ylabel("midpoint (µm)")

@@ -89,7 +89,6 @@ IN_CONFIG = {
     **dict.fromkeys(("Auto", "Cosines", "Elements", "Reference"), MODEL),
     "Beam": KEYS.format("device.beam", "devicebeam") + ", without `shape` and `quality_factor`.",
     "Device": KEYS.format("device", "device") + ", without `quality_factor`.",
-    "Run": KEYS.format("run", "run") + ", and `threads`, the number of threads.",
 }
 """Where the page of the config has the fields of a class, as keys of a section."""
 ADDRESSES = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z])")

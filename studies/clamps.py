@@ -211,5 +211,5 @@ def thresholds(device: Device, basis: Basis, f0: list[float]) -> np.ndarray:
     travel = (unit.midpoint @ second[0]) * beam.rise
     barrier = barrier._replace(second=barrier.first + travel)
     model = Model("elements", device, basis, modal, barrier, steps_of(device, modal))
-    probe = Probe(model.with_step(STEP), to_rows(0, f0, C), Run(HORIZON))
+    probe = Probe(model.with_step(STEP), to_rows(0, f0, C), Run(horizon=HORIZON))
     return lowest_snap(probe, (300.0, 3000.0), TOLERANCE)

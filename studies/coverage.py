@@ -99,7 +99,7 @@ def is_clean(run: Timed) -> np.ndarray:
 
 def ask(device: Device, f0, C, chosen, shocks: Shocks = HANDOUT_SHOCK) -> Timed:
     """Find N_first, N_error and ragged, (thresholds,), or None after a ValueError."""
-    study = Study(device, chosen, run=Run(HORIZON)).under(shocks)
+    study = Study(device, chosen, horizon=HORIZON).under(shocks)
     begin = process_time()
     try:
         answer = threshold(study, f0, C)
@@ -116,7 +116,7 @@ def judge(device: Device, f0, C, about, shocks: Shocks = HANDOUT_SHOCK) -> np.nd
     about: thresholds near which they search
     """
     rows = to_rows(0, np.tile(f0, len(C)), np.repeat(C, len(f0)), 0, shocks.pulses)
-    settings = Run(HORIZON)
+    settings = Run(horizon=HORIZON)
     judges = [build_model(device, chosen).with_step(JUDGED_STEP) for chosen in JUDGES]
     by_judge = [look(Probe(model, rows, settings), about) for model in judges]
     mean = np.mean(by_judge, axis=0)

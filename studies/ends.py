@@ -93,7 +93,7 @@ def draw_case(draw, kind):
     shape, direction = str(draw.choice(SHAPES)), str(draw.choice(["+z", "+z", "-z"]))
     longest = LONGEST_RUN * device.beam.thickness
     horizon = min(8 / device.beam.damping + 8 * device.mass / C, longest)
-    study = Study(device, pulse=shape, direction=direction, run=Run(horizon))
+    study = Study(device, pulse=shape, direction=direction, horizon=horizon)
     N = threshold(study, [f0], [C]).N_first.item() if 1e6 / f0 < longest else math.nan
     return (device, study.shocks.pulses, f0, C, N, horizon) if math.isfinite(N) else None
 
@@ -104,9 +104,10 @@ def ends(cases, cosines, step):
     for device, pulses, f0, C, N, horizon in cases:
         model = build_model(batch([device]), Cosines(modes=cosines)).with_step(step)
         cells = to_cells(model.device, 0, N * FACTORS, f0, C, horizon, 0, pulses)
-        model.follow(cells.take(np.zeros(0, int)), Run(horizon).but(until="end"))  # compiles
+        settings = Run(horizon=horizon).but(until="end")
+        model.follow(cells.take(np.zeros(0, int)), settings)  # compiles
         begin = process_time()
-        run = model.follow(cells, Run(horizon).but(until="end"))
+        run = model.follow(cells, settings)
         seconds += process_time() - begin
         sides.append(np.where(np.isfinite(run.t_snap), side_at_end(run, 1e-3), 0))
     return np.array(sides), seconds

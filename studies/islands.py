@@ -26,7 +26,7 @@ SEED, DEVICES = 67, 40
 STEP, REACH = 1.25e-4, np.array([0.02, 0.05])
 """Relative step of the scans below the bars, and how far below clean and ragged thresholds they
 begin."""
-RUN = Run(1500.0)
+RUN = Run(horizon=1500.0)
 
 
 class Seen(NamedTuple):
@@ -50,7 +50,7 @@ def main():
 
 def planned(device: Device, f0: Sequence[float], C: Sequence[float]) -> tuple[Study, Grid]:
     """Set out a study of thresholds over f0 and C."""
-    study = Study(device, run=RUN)
+    study = Study(device, **vars(RUN))
     return study, study.set_out({"f0": f0, "C": C})
 
 

@@ -48,7 +48,7 @@ def true_thresholds(device):
 
 def row(device, rows, name):
     """Write how far the wrong labels of a model reach from the threshold, over clean rows."""
-    study = Study(device, MODELS[name], run=Run(until="snap"))
+    study = Study(device, MODELS[name], until="snap")
     reach = []
     for f0, damping, true in rows.T:
         cube = sweep(study, true * (1 + AROUND), [f0], [damping])

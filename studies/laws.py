@@ -48,14 +48,7 @@ LIMITS += ["within 7 % from, Hz"]
 HEAD = ["devices", "$\\pi f_0/\\sigma$", "number", "`N_slow` off by, %: median", "5 to 95 %"]
 HEAD += ["extremes", "time over `dwell`: median", "5 to 95 %", "extremes"]
 SHORT = ["f0 over the frequency of mass or beam", "thresholds", "velocity change off by, %: median"]
-SHORT += [
-    "5 to 95 %",
-    "extremes",
-    "delays",
-    "delay over a saddle's: median",
-    "5 to 95 %",
-    "extremes",
-]
+SHORT += ["5 to 95 %", "extremes", "delays", "over a saddle's: median", "5 to 95 %", "extremes"]
 
 
 def main():

@@ -24,7 +24,7 @@ from .peers.equations import equations_of
 from .peers.scipy_ivp import by_scipy
 from .tables import Table, write
 
-SETTINGS = Run(300.0, repeat=False).but(until="edge")
+SETTINGS = Run(horizon=300.0, repeat=False).but(until="edge")
 CELLS, F0_RANGE, ROWS = (25, 20), (500.0, 10e3), 20
 """Numbers of N and f0; Hz; number of thresholds."""
 METHOD, EXACT, USUAL = "DOP853", 1e-9, 1e-6

@@ -23,7 +23,7 @@ from .common import command_device, few, with_beam
 from .tables import Table, write
 
 F0, C, TOLERANCE = [500.0, 1500.0, 5000.0], 25.0, 1e-6
-SETTINGS = Run(1500.0)
+SETTINGS = Run(horizon=1500.0)
 PERCENT = 1.01
 OF_BEAM = "span", "rise", "thickness", "depth", "youngs_modulus", "density"
 OF_DEVICE = "mass", "spring", "contact", "gravity"
@@ -176,7 +176,7 @@ def stress(device: Device) -> Table:
     rows = []
     for N in few(LOADS):
         for modes in few(MODES):
-            study = Study(device, Cosines(modes=modes), run=SETTINGS)
+            study = Study(device, Cosines(modes=modes), **vars(SETTINGS))
             seen = simulate(study, N, F0[1], UNDAMPED)
             both = seen.stress_max_to_snap.item(), seen.stress_max.item()
             rows.append([f"{N:g}", str(modes), *(f"{value:.1f}" for value in both)])

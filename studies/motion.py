@@ -129,7 +129,7 @@ def judged(draw, modes):
     f0, C = np.meshgrid(*draw_shocks(draw, device))
     if device.beam.free and modes > 5:
         return np.empty((5, 0))
-    settings = Run(2 * np.pi / device.own_frequency, repeat=False).but(until="moved")
+    settings = Run(horizon=2 * np.pi / device.own_frequency, repeat=False).but(until="moved")
     model, rows = build_model(device, Cosines(modes=modes)), to_rows(0, f0, C, 0, shocks.pulses)
     bracket = tuple(reach * float(static_threshold(device)) for reach in REACHES)
     found = lowest_snap(Probe(model, rows, settings), bracket, CLOSE, COARSE)

@@ -135,7 +135,7 @@ def errors_of(device, shocks, draw, frequencies=FREQUENCIES, longest=LONGEST_PUL
     f0 = [f for f in f0 if 2e-6 * np.pi * f * longest > arch] or f0[-1:]
     rows = to_rows(0, np.array(f0), np.array(C)[:, np.newaxis], 0, shocks.pulses)
     horizon = min(4 * 2 * np.pi / device.own_frequency, 3e4 / arch)
-    return errors_of_rows(device, rows, Run(horizon), rules)
+    return errors_of_rows(device, rows, Run(horizon=horizon), rules)
 
 
 def errors_of_rows(device, rows, settings, rules=RULES):

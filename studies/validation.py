@@ -164,7 +164,7 @@ def mass(device):
         peaks = []
         for cycles in np.linspace(0.9, 1.1, 9) * at:
             f0 = omega / (2 * np.pi * cycles) * 1e6
-            run = simulate(Study(alone, Cosines(), pulse=shape, run=Run(600.0)), 100, f0, 0.0)
+            run = simulate(Study(alone, Cosines(), pulse=shape, horizon=600.0), 100, f0, 0.0)
             rest = device.beam.rise + alone.gap
             still = 100 * device.gravity * device.mass / device.spring
             peaks.append(float(abs(run.z_mass - rest).max()) / still)
@@ -213,7 +213,7 @@ def shallow(device):
 
 
 def _threshold(model):
-    rows, settings = to_rows(0, F0, C), Run(0.0)
+    rows, settings = to_rows(0, F0, C), Run(horizon=0.0)
     return lowest_snap(Probe(model, rows, settings), (500.0, 2500.0), 1e-9).item()
 
 

@@ -4,7 +4,7 @@ import random
 
 import yaml
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.workflow.cost import core_seconds
 from snapmap.workflow.plan import make_plan
 

@@ -29,7 +29,7 @@ ATTRIBUTES = {"title": "A title", "code_version": "0.1.0+abc", "config": json.du
 def swept(device, modes=3, cosines=None, skip=False, run=SETTINGS, **axes):
     """A cube of a device, in three cosines."""
     model = Cosines(modes=modes, cosines=cosines)
-    study = snapmap.Study(device, model=model, run=run, skip=skip)
+    study = snapmap.Study(device, model=model, skip=skip, **vars(run))
     axes = AXES | axes
     shock = {key: axes.pop(key) for key in AXES}
     return snapmap.sweep(study, **shock, axes=axes)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.values.faults import Faults
 
 MISSING = object()

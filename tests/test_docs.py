@@ -25,8 +25,8 @@ from snapmap.applications import attached
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.spectra.required import RequiredVibration
+from snapmap.applications.whole import load_config
 from snapmap.beam.modal import natural_frequency
-from snapmap.config.study import load_config
 from snapmap.numerics.statistics import percents
 from snapmap.study.netcdf import write
 

@@ -2,17 +2,18 @@
 
 import math
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import THREE_COSINES, changed
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.applications.calibration.shots import read_shots, shots_from
+from snapmap.applications.whole import load_config
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.config.points import read_points
-from snapmap.config.study import load_config
 from snapmap.pulse.pulse import N_of_g, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
@@ -44,16 +45,16 @@ def device(handout):
 def test_similar_devices_answer_alike(device, factors):
     def ask(verb, length, mass, time, **values):
         rows = {"f0": np.array([400.0, 1500.0]) / time, "C": [200.0 * mass / time], **values}
-        how = {"model": "cosines", "modes": 3, "horizon": 1500.0 * time}
-        return verb(scaled(device, length, mass, time), **rows, **how)
+        study = Study(scaled(device, length, mass, time), "3 cosines", horizon=1500.0 * time)
+        return verb(study, **rows)
 
     N = [600.0, 900.0, 1300.0, 1800.0]
-    cube, similar = (ask(flat.sweep, *each, N=N) for each in ((1, 1, 1), factors))
+    cube, similar = (ask(snapmap.sweep, *each, N=N) for each in ((1, 1, 1), factors))
     assert 0 < cube.t_snap.notnull().sum() < cube.t_snap.size
     np.testing.assert_array_equal(similar.outcome, cube.outcome)
     for key in ("t_snap", "t_settled"):
         np.testing.assert_allclose(similar[key] / factors[2], cube[key], rtol=1e-12)
-    edge, similar = (ask(flat.threshold, *each) for each in ((1, 1, 1), factors))
+    edge, similar = (ask(snapmap.threshold, *each) for each in ((1, 1, 1), factors))
     for key in ("N_first", "N_always", "N_static", "N_bound"):
         np.testing.assert_allclose(similar[key], edge[key], rtol=1e-12)
     # At its threshold the time of a snap magnifies what rounding does to N.
@@ -74,7 +75,7 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
     assert beats.variation > 15
     model = build_model(handout, Cosines(modes=3))
     rows = to_rows(0, [1000.0, 2000.0], [[0.025], [200.0]], pulses=(beats,))
-    static, settings = static_threshold(handout), Run(300.0, until="snap")
+    static, settings = static_threshold(handout), Run(horizon=300.0, until="snap")
     probes = (Probe(each, rows, settings) for each in (model, model.with_step(0.25)))
     coarse, fine = (lowest_snap(probe, (0.5 * static, 6.0 * static), 1e-5) for probe in probes)
     np.testing.assert_allclose(coarse, fine, rtol=2e-4)

@@ -16,11 +16,9 @@ from snapmap.solver.outcome import LATCHED, NEVER, RETURNED, SNAPPED
 
 pytestmark = pytest.mark.long
 
-SOLVER = {"matplotlib", "netcdf4", "numba", "numpy", "pydantic", "scipy", "xarray"}
-SOLVER |= {"typing-extensions"}
+SOLVER = {"matplotlib", "netcdf4", "numba", "numpy", "scipy", "xarray"}
 BROUGHT = {
     *("certifi", "cftime", "contourpy", "cycler", "fonttools", "kiwisolver", "llvmlite", "pytz"),
-    *("annotated-types", "pydantic-core", "typing-inspection"),
     *("packaging", "pandas", "pillow", "pyparsing", "python-dateutil", "six", "tzdata"),
 }
 """By those, some of them by old versions."""

@@ -9,7 +9,7 @@ from snapmap.solver.settings import Run
 from .equations import Follow
 from .scene import HORIZON, Scene
 
-SETTINGS = Run(HORIZON, repeat=False).but(until="edge")
+SETTINGS = Run(horizon=HORIZON, repeat=False).but(until="edge")
 
 
 def by_kernel(scene: Scene, factor: float, proofs: bool = True) -> Follow:

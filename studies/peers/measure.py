@@ -113,7 +113,7 @@ def own_calls(scene: Scene) -> Iterator[list[str]]:
     """Yield rows of calls of `snapmap.threshold`, which gives error bars and islands, too."""
     grid = np.unique(scene.f0), np.unique(scene.C)
     for equations, model in ((COSINES, Cosines(modes=3)), ("auto", "auto")):
-        study = Study(scene.device, model, run={"horizon": HORIZON})
+        study = Study(scene.device, model, horizon=HORIZON)
         alone = [([f0], [C]) for f0, C in zip(scene.f0, scene.C, strict=True)]
         for way, calls in (("one a call", alone), ("all in one call", [grid])):
             threshold(study, *calls[0])  # compiles

@@ -66,7 +66,7 @@ def make_scene(device: Device, name: str, f0_of_rows: np.ndarray) -> Scene:
     side = few(SIDE, 3)
     N, f0 = np.meshgrid(np.linspace(*N_RANGE, side), np.geomspace(*F0_RANGE, side))
     cells = to_cells(device, 0, N, f0, np.resize(DAMPINGS, N.shape), HORIZON).flat()
-    study = Study(device, Cosines(modes=3), run={"horizon": HORIZON})
+    study = Study(device, Cosines(modes=3), horizon=HORIZON)
     first = threshold(study, f0_of_rows, DAMPINGS).N_first.stack(row=("C", "f0"))
     model = build_model(device, MODELS[name])
     rows = first.f0.values, first.C.values, first.values, first.values

@@ -7,7 +7,7 @@ Also draws figures of the verdicts and of which cells settle.
 
 import numpy as np
 
-from snapmap import Cosines, Run, Study, sweep
+from snapmap import Cosines, Study, sweep
 from snapmap.figures import maps, style
 from snapmap.numerics.portable import geometric, linear
 
@@ -29,7 +29,7 @@ def main() -> None:
     device = command_device()
     cases = measure(device, few(CASES, 2), few(MODELS, 2))
     grid = {key: few(values, 3) for key, values in GRID.items()}
-    study = Study(device, Cosines(modes=4), run=Run(6000.0))
+    study = Study(device, Cosines(modes=4), horizon=6000.0)
     settled = sweep(study, **grid, axes={"damping": few(DAMPINGS, 2)})
     with style.paper():
         figure = style.double_column(height=9)

@@ -86,7 +86,7 @@ def _default_step(device, model, case):
 
 def _follow(case, model, limit, steps):
     """Values at the default step, and also at all steps unless that takes too long."""
-    cells, settings = _cells(model, case, limit), Run(case.horizon)
+    cells, settings = _cells(model, case, limit), Run(horizon=case.horizon)
 
     @cache
     def follow_at(dt):

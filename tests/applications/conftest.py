@@ -1,6 +1,5 @@
 import pytest
 
-from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 
 
@@ -8,4 +7,4 @@ from snapmap.study.study import Study
 def study(handout):
     """The handout's device by three cosines, to 300 us after a shock."""
     model = {"name": "cosines", "modes": 3}
-    return Study(handout, model=model, run=Run(horizon=300.0))
+    return Study(handout, model=model, horizon=300.0)

@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
 
+import snapmap
+from snapmap import Study
 from snapmap.beam.basis import Basis
 from snapmap.beam.cosines import antisymmetric_loads, buckling_shapes, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
@@ -116,7 +117,7 @@ def test_a_free_beam_with_stress_starts_from_its_own_midpoint(handout):
     assert rest == pytest.approx(10.3461, abs=1e-4) and abs(rest - stressed.height) > 0.02
     assert find_barrier(stressed, buckling_shapes(8)).first == pytest.approx(rest, abs=1e-5)
     device = replace(handout, beam=stressed)
-    run = flat.simulate(device, 1, 1500, 25, "cosines", modes=3, horizon=0)
+    run = snapmap.simulate(Study(device, "3 cosines", horizon=0), 1, 1500, 25)
     assert run.w_mid[0].item() == run.z_mass[0].item() == pytest.approx(rest, abs=1e-4)
 
 

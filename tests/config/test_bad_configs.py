@@ -14,7 +14,7 @@ import yaml
 from small_studies import EVERY_PRODUCT, SHOTS, THREE_COSINES, changed
 from small_workflow import snakemake
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.files.text import describe
 from snapmap.values.faults import Faults
 from snapmap.workflow.plan import make_plan
@@ -98,7 +98,7 @@ def delete(rng, section, path):
 def rename(rng, section, path):
     new = rng.choice([f"{path[-1].upper()}s", f" {path[-1]}", 1, None, "é" * 300])
     section[new] = section[path[-1]]
-    return [*delete(rng, section, path), (name_of(path[:-1]), "unknown key; known here are ")]
+    return [*delete(rng, section, path), (name_of(path[:-1]), "unknown key; ")]
 
 
 def flatten(rng, section, path):

@@ -18,9 +18,9 @@ from hypothesis import strategies as st
 from small_studies import MISSING, faults
 
 from snapmap.applications import boundary, requirements, window
+from snapmap.applications.whole import doubts, load_config
 from snapmap.config.devices import load_device, read_device
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.shape import TILT
@@ -131,7 +131,9 @@ def test_the_study_of_the_handout_is_exact():
     f0 = study.axes["f0"]
     assert (f0.size, f0[0], f0[-1]) == (41, 100.0, 30000.0)
     assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
-    assert study.run.but(threads=1) == Run(1500.0, "settled", True, 1e-3)
+    assert study.run.but(threads=1) == Run(
+        horizon=1500.0, until="settled", repeat=True, energy_tolerance=1e-3
+    )
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
@@ -175,7 +177,7 @@ READ = """
 import sys
 from snapmap.applications import refuse_all
 from snapmap.config.devices import load_device
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
 
 for name in ("config", "handout", "sensor", "arm"):

@@ -15,8 +15,8 @@ from small_workflow import snakemake
 import snapmap
 from snapmap.applications.calibration.shots import read_shots
 from snapmap.applications.requirements import shocks_of
+from snapmap.applications.whole import files_of, load_config, planned_study
 from snapmap.config.points import read_points
-from snapmap.config.study import load_config, planned_study
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
@@ -72,8 +72,8 @@ def test_a_record_acts_along_the_direction_that_is_written(folder):
 def test_an_edit_since_the_plan_is_refused(folder, monkeypatch):
     study = load_config(DOCUMENT)
     monkeypatch.setenv("SNAPMAP_PLANNED", "{}")
-    hold_to_plan(study.files())
-    plan_with(study.files())
+    hold_to_plan(files_of(study))
+    plan_with(files_of(study))
     assert planned_study(DOCUMENT, threads=2).run.threads == 2
     write_record(folder / "shock.csv", 3)
     (folder / "points.csv").write_text("N,f0\n1000,2001\n", encoding="utf-8")

@@ -11,11 +11,10 @@ import yaml
 from small_studies import MISSING, THREE_COSINES, changed, faults
 
 import snapmap
+from snapmap.applications.whole import doubts, load_config
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.modal import natural_frequency
 from snapmap.config.devices import read_device
-from snapmap.config.doubts import doubts
-from snapmap.config.study import load_config
 from snapmap.config.vibrations import vibrations
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.ledger import CellRun
@@ -89,7 +88,7 @@ def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(valu
 def test_a_free_decay_measures_the_quality_factor_of_the_mass():
     study = load_config(changed(DOCUMENT, device__quality_factor=20))
     (C,) = study.axes["C"]
-    asked = snapmap.Study(study.device, model=study.model, run={"horizon": 3000.0})
+    asked = snapmap.Study(study.device, model=study.model, horizon=3000.0)
     run = snapmap.simulate(asked, 0.1, 50e3, C)
     after = run.time > 25.0
     omega, quality = decay(run.time.values[after], run.z_mass.values[after] - 10.0 - 5.0)

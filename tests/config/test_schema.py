@@ -9,7 +9,7 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
-from snapmap.config.document import Document
+from snapmap.applications.whole import Document
 from snapmap.values.fields import hints
 
 CONFIGS = [

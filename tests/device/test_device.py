@@ -3,12 +3,12 @@
 import math
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
 import snapmap
+from snapmap import Study
 from snapmap.config.devices import read_device
 from snapmap.device.device import ALONE, FIXED, VALUES, Beam, Device, batch
 from snapmap.solver.cells import to_cells
@@ -26,7 +26,7 @@ def test_a_beam_without_a_second_shape_has_statics_alone():
         with pytest.raises(ValueError, match=NO_SECOND):
             ask(device, *cells)
     with pytest.raises(ValueError, match=NO_SECOND):
-        flat.simulate(device, 900.0, 1500.0, 25.0)
+        snapmap.simulate(device, 900.0, 1500.0, 25.0)
     statics = snapmap.statics(device)
     assert statics.largest_force > statics.least_force > 0  # it snaps, and returns by itself
 
@@ -97,10 +97,13 @@ def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(sili
 
 
 def test_the_axis_is_the_device_with_other_values(silicon):
-    asked, C = {"f0": [1500.0], "model": "cosines", "horizon": 0}, 25 * (393.15 / 293.15) ** 0.7
-    along = flat.threshold(silicon, C=[25.0], temperature=[-40.0, 20.0, 120.0], **asked)
+    how = {"model": "cosines", "horizon": 0}
+    asked, C = {"f0": [1500.0]}, 25 * (393.15 / 293.15) ** 0.7
+    along = snapmap.threshold(
+        Study(silicon, **how), C=[25.0], **asked, axes={"temperature": [-40.0, 20.0, 120.0]}
+    )
     hot = replace(at(silicon, 120.0), damper_exponent=0.0)
-    alone = flat.threshold(hot, C=[C], **asked)
+    alone = snapmap.threshold(Study(hot, **how), C=[C], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
     assert along.temperature.attrs["units"] == "degC"
 

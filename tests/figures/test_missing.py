@@ -1,6 +1,5 @@
 """Figures with all of their data missing, with one value, and with one among missing ones."""
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -20,11 +19,10 @@ from snapmap.applications.window.figure import draw_window
 from snapmap.applications.window.window import window_of
 from snapmap.figures import maps, style, thresholds
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
-MODEL = {"model": "cosines", "modes": 3}
+MODEL = {"model": "3 cosines"}
 SHORT = MODEL | {"horizon": 100.0}
 REQUIRED = {"name": "crash", "N": 2000.0, "f0": 1500.0, "snaps": True, "survives": 0.9}
 SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
@@ -38,21 +36,24 @@ VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
 @pytest.fixture(scope="module")
 def made(handout):
     """A small result behind each figure, by the function that draws it."""
-    study = Study(handout, model={"name": "cosines", "modes": 3}, run=Run(100.0))
+    study = Study(handout, model={"name": "cosines", "modes": 3}, horizon=100.0)
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    how = SHORT | {"samples": 4, "index_samples": 4}
+    how_study = SHORT
+    how = {"samples": 4, "index_samples": 4}
     how["requirements"] = [REQUIRED | {"survives": True}]
-    made = flat.tolerance(handout, {"thickness": 0.05}, **axes, **how)
+    made = snapmap.tolerance(Study(handout, **how_study), {"thickness": 0.05}, **axes, **how)
     points = {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}
-    edges = flat.threshold(handout, **axes, **MODEL)
+    edges = snapmap.threshold(Study(handout, **MODEL), **axes)
     return {
         "cells": make_cells(["2225", "2022", "0020", "0100"]),
         "thresholds": make_found(),
         "laws": laws_of(study, study.set_out(axes), edges),
-        "history": flat.simulate(handout, 1000.0, 1500.0, 25.0, **SHORT),
+        "history": snapmap.simulate(Study(handout, **SHORT), 1000.0, 1500.0, 25.0),
         "statics": snapmap.statics(handout),
         "tolerances": made,
-        "calibration": flat.calibrate(handout, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0, **MODEL),
+        "calibration": snapmap.calibrate(
+            Study(handout, **MODEL), SHOTS, {"thickness": (1.7, 2.3)}, C=25.0
+        ),
         "verdicts": VERDICTS,
         "window": window_of(study, points, [Shock(**REQUIRED, shocks=make_shocks())]),
     }

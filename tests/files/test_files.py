@@ -25,12 +25,12 @@ from snapmap.thresholds.summary import write_thresholds
 
 @pytest.fixture(scope="module")
 def study(handout):
-    return snapmap.Study(handout, model=Cosines(modes=3), run={"horizon": 300.0})
+    return snapmap.Study(handout, model=Cosines(modes=3), horizon=300.0)
 
 
 def test_each_threshold_is_a_row(handout, tmp_path):
     """No cell begins with a sign, and axes have all digits, so that rows are found again."""
-    study = snapmap.Study(handout, model=Cosines(modes=3), direction="both", run={"horizon": 300.0})
+    study = snapmap.Study(handout, model=Cosines(modes=3), direction="both", horizon=300.0)
     edges = snapmap.threshold(study, [500.0, 1e3 / 0.7], [25.0], axes={"thickness": [1.9, 2.0]})
     write_thresholds(edges, tmp_path / "thresholds.csv")
     text = (tmp_path / "thresholds.csv").read_text()

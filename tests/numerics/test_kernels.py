@@ -4,10 +4,11 @@ import os
 import subprocess
 import sys
 
-import flat
 import pytest
 from numba import njit
 
+import snapmap
+from snapmap import Study
 from snapmap.numerics.kernels import _hash, compiled
 from snapmap.solver.kernel import lanes, trace
 
@@ -104,8 +105,8 @@ def test_another_numba_keeps_kernels_of_its_own(cache, monkeypatch):
 
 def test_no_kernel_has_one_that_refers_to_objects_of_python(handout):
     """Those of one that is compiled anew, and of its copy on disk, may have other numbers."""
-    flat.simulate(handout, 1300.0, 1500.0, 25.0, "cosines", horizon=9.0)
-    flat.sweep(handout, [1300.0], [1500.0], [25.0], model="cosines")
+    snapmap.simulate(Study(handout, "cosines", horizon=9.0), 1300.0, 1500.0, 25.0)
+    snapmap.sweep(Study(handout, "cosines"), [1300.0], [1500.0], [25.0])
     for kernel in (lanes.follow_all, trace.keep_motion, trace.keep_seen, trace.leap):
         for whole in kernel.overloads.values():
             assert not any(part.consts for part in whole._find_referenced_environments())

@@ -35,7 +35,7 @@ def data_array(value, units):
 
 @pytest.fixture(scope="module")
 def study(handout):
-    return snapmap.Study(handout, model=snapmap.Cosines(modes=3), run={"horizon": 0.0})
+    return snapmap.Study(handout, model=snapmap.Cosines(modes=3), horizon=0.0)
 
 
 KILOHERTZ = (

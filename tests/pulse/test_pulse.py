@@ -4,7 +4,6 @@ import itertools
 import math
 import re
 
-import flat
 import numpy as np
 import pytest
 from conserving_loop import assert_followed
@@ -12,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from varied import varied
 
 import snapmap
+from snapmap import Study
 from snapmap.pulse.pulse import SHAPES, G, Pulse, blow_at, make_pulse, sampled
 from snapmap.pulse.shocks import make_shocks
 from snapmap.pulse.trains import make_drop, make_train
@@ -112,7 +112,7 @@ def test_short_pulses_trip_by_their_velocity_change(handout):
     """Half sine : versed sine : sawtooth = pi/4 : 1 : 1; the impulsive limit is one."""
     f0 = 100 * handout.own_frequency / (2 * math.pi) * 1e6
     shapes = ["versed sine", "half sine", "sawtooth"]
-    edges = flat.threshold(handout, [f0], [60.0], model="cosines", pulse=shapes).squeeze()
+    edges = snapmap.threshold(Study(handout, "cosines", pulse=shapes), [f0], [60.0]).squeeze()
     np.testing.assert_allclose(edges.N_first / edges.N_first[0], [1, math.pi / 4, 1], rtol=0.01)
     np.testing.assert_allclose(edges.velocity_change, edges.velocity_change[0], rtol=0.01)
 
@@ -120,7 +120,7 @@ def test_short_pulses_trip_by_their_velocity_change(handout):
 def test_long_pulses_without_a_jump_trip_at_the_static_limit(handout):
     f0 = 0.01 * handout.own_frequency / (2 * math.pi) * 1e6
     asked = {"model": "cosines", "horizon": 300.0, "direction": "both", "pulse": [*SHAPES]}
-    edges = flat.threshold(handout, [f0], [25.0], **asked).squeeze()
+    edges = snapmap.threshold(Study(handout, **asked), [f0], [25.0]).squeeze()
     forward, back = (edges.sel(direction=way) for way in ("+z", "-z"))
     smooth = ["versed sine", "half sine", "trapezoid"]
     np.testing.assert_allclose(forward.N_first.sel(shape=smooth), forward.N_static[0], rtol=5e-3)
@@ -136,7 +136,7 @@ def test_a_kink_or_a_jump_leaves_order_two(handout, fix_step, shape):
     late = 1.02e6 / f0 + np.linspace(0, 20, 100)
     for step in (0.8, 0.4, 0.2, 0.1):
         fix_step(step)
-        run = flat.simulate(handout, 100, f0, 25.0, "cosines", modes=3, **asked)
+        run = snapmap.simulate(Study(handout, "3 cosines", **asked), 100, f0, 25.0)
         ends.append(CubicSpline(run.time, run.z_mass)(late))
     errors = [abs(end - ends[-1]).max() for end in ends[:-1]]
     assert errors[0] / errors[1] > 2.5 and errors[1] / errors[2] > 2.5 and errors[0] < 1e-3
@@ -156,11 +156,14 @@ def test_the_kernel_follows_the_plain_loop_under_every_pulse(handout, pulse, N, 
 
 def test_shapes_and_directions_are_axes(handout):
     """Each point of them is, bit for bit, what it is alone."""
-    asked = {"N": [700.0, 1100.0], "f0": [1500.0, 5000.0], "C": [0.025], "model": "cosines"}
-    cube = flat.sweep(handout, **asked, pulse=["half sine", "sawtooth"], direction="both")
+    how = {"model": "cosines"}
+    asked = {"N": [700.0, 1100.0], "f0": [1500.0, 5000.0], "C": [0.025]}
+    cube = snapmap.sweep(
+        Study(handout, pulse=["half sine", "sawtooth"], direction="both", **how), **asked
+    )
     assert cube.outcome.dims == ("shape", "direction", "C", "f0", "N")
     for shape, way in itertools.product(["half sine", "sawtooth"], ["+z", "-z"]):
-        alone = flat.sweep(handout, **asked, pulse=shape, direction=way)
+        alone = snapmap.sweep(Study(handout, pulse=shape, direction=way, **how), **asked)
         for key in ("t_snap", "outcome"):
             np.testing.assert_array_equal(cube[key].sel(shape=shape, direction=way), alone[key])
 
@@ -173,10 +176,13 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     pulse = snapmap.read_pulse(path)
     assert pulse.name == "half" and pulse.duration == pytest.approx(500.0) and not pulse.notes
     assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
-    asked = {"C": [25.0], "model": "cosines"}
-    exact = flat.threshold(handout, [2000.0, 5000.0], **asked, pulse="half sine").N_first
+    how = {"model": "cosines"}
+    asked = {"C": [25.0]}
+    exact = snapmap.threshold(
+        Study(handout, pulse="half sine", **how), [2000.0, 5000.0], **asked
+    ).N_first
     for f0, N in zip((None, [5000.0]), exact.values[0], strict=True):
-        edge = flat.threshold(handout, f0, **asked, pulse=pulse)
+        edge = snapmap.threshold(Study(handout, pulse=pulse, **how), f0, **asked)
         assert edge.f0.item() == pytest.approx(5000.0 if f0 else 2000.0)
         assert edge.N_first.item() == pytest.approx(N, rel=1e-3)
 
@@ -194,8 +200,9 @@ def test_a_record_that_changes_no_velocity_has_no_impulsive_limit(handout):
     x = np.linspace(0, 1, 101)
     swing = sampled(500 * x, np.sin(2 * np.pi * x), "swing")
     pull = sampled(500 * x, np.where(x < 0.5, -1, 0.1) * np.sin(2 * np.pi * x) ** 2, "pull")
-    asked = {"C": [25.0], "model": "cosines", "pulse": [swing, pull]}
-    edges = flat.threshold(handout, [500.0, 2000.0], **asked).squeeze("C")
+    how = {"model": "cosines", "pulse": [swing, pull]}
+    asked = {"C": [25.0]}
+    edges = snapmap.threshold(Study(handout, **how), [500.0, 2000.0], **asked).squeeze("C")
     swing, pull = (edges.sel(shape=shape) for shape in ("swing", "pull"))
     assert swing.velocity_change.isnull() and pull.velocity_change > 0
     assert swing.N_first.notnull().all()
@@ -262,7 +269,7 @@ def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart,
     lasts = 0.1 * period
     blow, wait = {"shape": "half sine", "duration": lasts}, {"wait": apart * period - lasts}
     asked = {"horizon": 2 * period, "pulse": {"train": [blow, wait, blow]}}
-    run = flat.simulate(far, N, None, 0.0, "cosines", **asked)
+    run = snapmap.simulate(Study(far, "cosines", **asked), N, None, 0.0)
     after, p = run.z_mass[run.time > apart * period + lasts], math.pi / lasts
     alone = 2 * N * far.gravity * p * math.cos(omega * lasts / 2) / (omega * abs(omega**2 - p**2))
     swing = abs(after - far.beam.rise - far.gap).max().item()
@@ -272,10 +279,11 @@ def test_a_second_blow_adds_to_the_swing_of_the_mass_or_takes_it(handout, apart,
 def test_blows_far_apart_with_damping_are_blows_alone(handout):
     """And N_static and velocity_change are those of one blow."""
     calm = varied(handout, damping=0.02)  # the beam rings no longer than its mass
-    asked = {"C": [25.0], "model": "cosines", "horizon": 500.0}
+    how = {"model": "cosines", "horizon": 500.0}
+    asked = {"C": [25.0]}
     trains = {"train": [BLOW]}, {"train": [BLOW, {"wait": 9000.0}, BLOW]}
     pulse, alone, two = (
-        flat.threshold(calm, f0, pulse=push, **asked).squeeze()
+        snapmap.threshold(Study(calm, pulse=push, **how), f0, **asked).squeeze()
         for f0, push in (([2000.0], "half sine"), (None, trains[0]), (None, trains[1]))
     )
     for key in ("N_first", "N_error", "N_always", "t_snap"):

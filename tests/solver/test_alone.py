@@ -1,22 +1,22 @@
 """A beam that no mass meets: shaken, or pushed at its midpoint."""
 
-import flat
 import numpy as np
 import pytest
 from varied import alone, varied
 
 import snapmap
+from snapmap import Study
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import Pulse
 
-F0, CHEAP = 20_000.0, {"model": "cosines", "modes": 3}
+F0, CHEAP = 20_000.0, {"model": "3 cosines"}
 STEP = Pulse("step", np.array([[0.0, 1.0, 0.0, 0.0, 0.0, 0.0]]))
 
 
 def test_a_force_moves_the_beam_alike_in_the_plain_loop_and_the_kernel(handout):
     device, load = alone(handout, 1.0), (60.0, F0, 0.0)
     oracle, fast = (
-        np.ptp(flat.simulate(device, *load, name, elements=3).w_mid.values)
+        np.ptp(snapmap.simulate(Study(device, {"name": name, "elements": 3}), *load).w_mid.values)
         for name in ("reference", "elements")
     )
     assert oracle > 1.0 and fast == pytest.approx(oracle, rel=1e-4)
@@ -39,7 +39,7 @@ def test_a_step_below_the_energy_of_the_tilted_saddle_never_snaps(handout, Q, bo
     unit = alone(handout, **made).beam
     device = alone(handout, unit.stiffness_unit * unit.rise, **made)
     N, shock = bound * np.array([0.6, 0.9, 0.97, 0.999, 1.3]), {"pulse": STEP, "horizon": 0.0}
-    cube = flat.sweep(device, N, [500.0], [0.0], "cosines", modes=3, until="snap", **shock)
+    cube = snapmap.sweep(Study(device, "3 cosines", until="snap", **shock), N, [500.0], [0.0])
     assert cube.t_snap.isnull().values.ravel().tolist() == [True] * 4 + [False]
 
 
@@ -47,24 +47,24 @@ def test_a_beam_alone_does_not_depend_on_its_mass(handout):
     """No C, spring or contact alters a bit, and both loops agree."""
     device, asked = alone(handout, damping=4e-3), {"until": "settled", "horizon": 300.0, **CHEAP}
     N = np.array([1e5, 1.3e5, 1.4e5])
-    first = flat.sweep(device, N, [F0], [0.0, 25.0], **asked)
-    other = flat.sweep(varied(device, spring=9.0, contact=7.0), N, [F0], [0.0], **asked)
+    first = snapmap.sweep(Study(device, **asked), N, [F0], [0.0, 25.0])
+    other = snapmap.sweep(Study(varied(device, spring=9.0, contact=7.0), **asked), N, [F0], [0.0])
     for key in ("t_snap", "t_settled", "pulse_work", "outcome"):
         np.testing.assert_array_equal(first[key][0], first[key][1])
         np.testing.assert_allclose(first[key][0], other[key][0], rtol=1e-10)
-    slow = flat.sweep(device, N, [F0], [0.0], model="reference")
+    slow = snapmap.sweep(Study(device, "reference"), N, [F0], [0.0])
     np.testing.assert_allclose(first.t_snap[0], slow.t_snap[0], rtol=1e-2)
 
 
 def test_a_force_changes_no_velocity(handout):
     devices, asked = (alone(handout), alone(handout, 1.0)), CHEAP | {"horizon": 100.0}
-    shaken, pushed = (flat.threshold(device, [F0], [0.0], **asked) for device in devices)
+    shaken, pushed = (snapmap.threshold(Study(device, **asked), [F0], [0.0]) for device in devices)
     assert shaken.velocity_change > 0 and pushed.velocity_change.isnull()
     assert pushed.N_first.notnull()
 
 
 def test_a_history_has_the_beam_alone(handout):
-    run = flat.simulate(alone(handout, 1.0), 60.0, F0, 0.0, **CHEAP)
+    run = snapmap.simulate(Study(alone(handout, 1.0), **CHEAP), 60.0, F0, 0.0)
     assert np.isnan([run.toward_max, run.away_max, run.contact_force_max]).all()
     assert run.z_mass.isnull().all() and run.midpoint_force.max() == pytest.approx(60.0, rel=1e-4)
     kept = run.kinetic_energy + run.bending_energy + run.axial_energy - run.pulse_work

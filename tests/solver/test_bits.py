@@ -1,10 +1,11 @@
 """The same bits in any company: of other cells, in any order, on threads, and in a batch."""
 
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
 from snapmap.solver import simd_loop
@@ -47,7 +48,7 @@ def test_threads_share_no_cells_that_one_has_lanes_for(handout, monkeypatch):
 
 
 def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
-    cube = flat.sweep(handout, N=[900.0, 1e200], f0=[1500.0], C=[25.0], model="cosines")
+    cube = snapmap.sweep(Study(handout, "cosines"), N=[900.0, 1e200], f0=[1500.0], C=[25.0])
     assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
 
 
@@ -92,10 +93,11 @@ def test_a_device_in_a_batch_does_what_it_does_alone(devices, name):
     ("model", "contacts"), [("cosines", [40.0, 60.0]), ("auto", [40.0, np.inf])]
 )
 def test_thresholds_of_a_batch_are_those_of_each_device(handout, model, contacts):
-    asked = {"f0": [1500.0, 9000.0], "C": [0.025, 25.0], "horizon": 300.0, "model": model}
-    together = flat.threshold(handout, **asked, contact=contacts)
+    how = {"model": model, "horizon": 300.0}
+    asked = {"f0": [1500.0, 9000.0], "C": [0.025, 25.0]}
+    together = snapmap.threshold(Study(handout, **how), **asked, axes={"contact": contacts})
     for contact in contacts:
-        alone = flat.threshold(varied(handout, contact=contact), **asked)
+        alone = snapmap.threshold(Study(varied(handout, contact=contact), **how), **asked)
         slice_of_all = together.sel(contact=contact)
         for name in alone:
             single, whole = alone[name].values, slice_of_all[name].values

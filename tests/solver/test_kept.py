@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
-import flat
 import numpy as np
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.device.device import batch
 from snapmap.solver.adaptive import choose_survey
 from snapmap.solver.kept import FEW, forget, kept
@@ -44,13 +45,13 @@ def test_a_number_is_not_taken_for_a_batch_of_one_and_nothing_is_kept_of_many_or
 
 
 def test_the_limit_of_short_pulses_is_that_of_a_first_call(handout):
-    asked = {"model": "cosines", "modes": 3}
-    first = flat.threshold(handout, [2000.0], [25.0, 200.0], **asked)
-    again = flat.threshold(handout, [3000.0], [25.0, 200.0], **asked)
-    alone = flat.threshold(handout, [3000.0], [200.0], **asked)
-    saw = flat.threshold(handout, [3000.0], [200.0], pulse="half sine", **asked)
+    asked = {"model": "3 cosines"}
+    first = snapmap.threshold(Study(handout, **asked), [2000.0], [25.0, 200.0])
+    again = snapmap.threshold(Study(handout, **asked), [3000.0], [25.0, 200.0])
+    alone = snapmap.threshold(Study(handout, **asked), [3000.0], [200.0])
+    saw = snapmap.threshold(Study(handout, pulse="half sine", **asked), [3000.0], [200.0])
     forget()
-    anew = flat.threshold(handout, [3000.0], [25.0, 200.0], **asked)
+    anew = snapmap.threshold(Study(handout, **asked), [3000.0], [25.0, 200.0])
     assert again.identical(anew)
     np.testing.assert_array_equal(first.velocity_change, anew.velocity_change)
     np.testing.assert_array_equal(alone.velocity_change, anew.velocity_change.sel(C=[200.0]))

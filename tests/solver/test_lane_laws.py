@@ -3,13 +3,14 @@
 from dataclasses import replace
 from functools import cache
 
-import flat
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from varied import varied
 
+import snapmap
+from snapmap import Cosines, Elements, Study
 from snapmap.device.device import batch
 from snapmap.solver.bounds import least_amplitudes
 from snapmap.solver.cells import to_cells, to_rows
@@ -17,13 +18,11 @@ from snapmap.solver.kernel.tables import CELLS, least_energy, look_up, potential
 from snapmap.solver.laws import compile_laws, load_laws
 from snapmap.solver.models import build_model
 from snapmap.solver.motion import largest_stress
-from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from studies.peers.equations import equations_of
 from studies.peers.scipy_ivp import by_scipy
 
-COSINES = {"name": "cosines", "modes": 3}
-ELEMENTS = {"name": "elements", "elements": 2}
+COSINES, ELEMENTS = Cosines(modes=3), Elements(elements=2)
 """Three modes both: the same kernel."""
 SETTLED = Run()
 N, F0 = np.meshgrid(np.linspace(700.0, 2500.0, 7), [700.0, 1500.0, 5000.0])
@@ -55,8 +54,7 @@ def hertz(stiffness, overlap):
 
 
 def follow(device, model, laws, C, settings=SETTLED, step=1.0):
-    laws = {"laws": laws} if laws else {}
-    built = build_model(device, flat.model(**model, **laws)).with_step(step)
+    built = build_model(device, replace(model, laws=laws)).with_step(step)
     return built.follow(to_cells(built.device, 0, N, F0, C, 300.0), settings)
 
 
@@ -104,7 +102,7 @@ def test_stops_and_a_hard_contact_go_with_a_law_of_damping(handout):
 def test_laws_move_as_scipy_says(handout, damping, contact, C):
     """And come closer to it with the square of the step."""
     laws, moved = laws_of(damping=damping, contact=contact), Run(repeat=False).but(until="moved")
-    equations = equations_of(build_model(handout, flat.model(**ELEMENTS)))
+    equations = equations_of(build_model(handout, ELEMENTS))
     cells = to_cells(handout, 0, N, F0, C, 300.0).flat()
     exact = by_scipy(equations, "DOP853", 1e-9, laws)(cells).reshape(N.shape)
     errors = []
@@ -119,8 +117,8 @@ def test_laws_move_as_scipy_says(handout, damping, contact, C):
 @pytest.mark.parametrize("contact", [hertz, two_sided])
 def test_what_a_contact_takes_it_gives_back(handout, contact):
     """Over thousands of contacts without a damper, in steps ten times apart."""
-    laws, settings = laws_of(contact=contact), Run(5000.0)
-    model = build_model(handout, flat.model(**COSINES, laws=laws))
+    laws, settings = laws_of(contact=contact), Run(horizon=5000.0)
+    model = build_model(handout, snapmap.Cosines(modes=3, laws=laws))
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(handout, 0, [880.0, 1100.0, 1500.0], 1500.0, 0.0, 5000.0)
     for factor in (0.5, 1.0, 5.0):
@@ -133,10 +131,10 @@ def test_a_run_that_is_proven_to_stay_stays(handout):
     proven = follow(handout, COSINES, laws, 3e4)
     settled = np.isfinite(proven.t_settled)
     assert settled.sum() > 5
-    model = build_model(handout, flat.model(**COSINES, laws=laws))
+    model = build_model(handout, snapmap.Cosines(modes=3, laws=laws))
     open_ended = replace(model, barrier=model.barrier._replace(energy=-np.inf))
     cells = to_cells(handout, 0, N, F0, 3e4, 3000.0)
-    moved = open_ended.follow(cells, Run(3000.0))
+    moved = open_ended.follow(cells, Run(horizon=3000.0))
     assert np.isnan(moved.t_settled).all()
     first = settled & (proven.well == 1) & np.isnan(proven.t_snap)
     assert first.any() and np.isnan(moved.t_snap[first]).all()
@@ -152,7 +150,7 @@ GIVING = (
 def test_of_a_law_that_gives_energy_nothing_is_proven(handout):
     """It has the right sign where it is checked at first, and its ledger closes."""
     passive, *giving = (
-        follow(handout, COSINES, laws_of(damping=damping), 25.0, Run(1500.0))
+        follow(handout, COSINES, laws_of(damping=damping), 25.0, Run(horizon=1500.0))
         for damping in (linear_drag, *GIVING)
     )
     assert np.isfinite(passive.t_settled).any()
@@ -170,7 +168,7 @@ def test_a_contact_whose_energy_has_no_bottom_proves_nothing(handout):
 
 def test_a_cell_does_not_depend_on_its_company(handout):
     laws, draw = laws_of(damping=cubic_drag, contact=hertz), np.random.default_rng(3)
-    model, settings = build_model(handout, flat.model(**COSINES, laws=laws)), Run()
+    model, settings = build_model(handout, snapmap.Cosines(modes=3, laws=laws)), Run()
     cells = to_cells(
         handout, 0, draw.uniform(700, 2500, 37), draw.uniform(700, 9e3, 37), 3e4, 300.0
     )
@@ -185,12 +183,12 @@ def test_a_cell_does_not_depend_on_its_company(handout):
 def test_a_device_of_a_batch_has_its_own_tables(handout):
     devices = [varied(handout, contact=40.0), varied(handout, contact=70.0, rise=11.0)]
     laws = laws_of(contact=one_sided)
-    together = build_model(batch(devices), flat.model(**COSINES, laws=laws))
+    together = build_model(batch(devices), snapmap.Cosines(modes=3, laws=laws))
     cells = to_cells(together.device, [[0], [1]], np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
     mixed = together.follow(cells, Run())
     for i, device in enumerate(devices):
         one = to_cells(device, 0, np.linspace(700, 2000, 9), 1500.0, 25.0, 300.0)
-        for model in (build_model(device, flat.model(**COSINES, laws=laws)), together.pick(i)):
+        for model in (build_model(device, snapmap.Cosines(modes=3, laws=laws)), together.pick(i)):
             for whole, alone in zip(mixed[:8], model.follow(one, Run())[:8], strict=True):
                 np.testing.assert_array_equal(whole[i], alone)
 
@@ -212,7 +210,7 @@ def test_a_table_is_the_integral_of_its_law():
 
 
 def test_the_flexibility_of_modes_left_out_is_in_series(handout):
-    model = build_model(handout, flat.model(**COSINES, laws=laws_of(contact=hertz)))
+    model = build_model(handout, snapmap.Cosines(modes=3, laws=laws_of(contact=hertz)))
     assert model.tables.values.shape == (2, CELLS, 4)
     c, x = float(model.modal.residual), np.array([0.003, 0.4, 2.0, 5.0])
     _, push = look_up(model.tables.values[1], 100.0, x)
@@ -256,7 +254,7 @@ REFUSED = {
 def test_what_a_kernel_cannot_do_is_refused_in_a_line(handout, line):
     change, laws, options = REFUSED[line]
     with pytest.raises(ValueError, match=rf"\A{line}[^\n]*\Z"):
-        build_model(varied(handout, **change), flat.model("cosines", laws=laws, **options))
+        build_model(varied(handout, **change), snapmap.Cosines(laws=laws, **options))
 
 
 def test_a_law_that_gives_energy_has_no_bound(handout):
@@ -270,8 +268,8 @@ def test_a_law_that_gives_energy_has_no_bound(handout):
 
 def test_a_history_shows_the_laws_energy(handout):
     """All energies add up to the work of the pulse less the loss."""
-    model = flat.model(**COSINES, laws={"damping": cubic_drag, "contact": hertz})
-    run = flat.simulate(handout, 1100.0, 1500.0, 4000.0, model, horizon=0.0)
+    model = snapmap.Cosines(modes=3, laws={"damping": cubic_drag, "contact": hertz})
+    run = snapmap.simulate(Study(handout, model, horizon=0.0), 1100.0, 1500.0, 4000.0)
     stored = sum(run[key] for key in run if key.endswith("_energy"))
     assert abs(stored - run.pulse_work).max() < 1e-6 * run.pulse_work.max()
     assert run.contact_energy.max() > 1 and run.contact_force.max() > 10
@@ -281,11 +279,13 @@ def test_all_that_takes_a_model_takes_laws(handout):
     """A law that is the device's own gives what the device gives, within its errors."""
     asked, made = (1500.0, 25.0), {}
     for name, laws in (("own", None), ("law", {"damping": linear_drag})):
-        how = {"model": flat.model(**COSINES, laws=laws), "horizon": 0.0}
+        how = {"model": snapmap.Cosines(modes=3, laws=laws), "horizon": 0.0}
         shock = {"N": 1100.0, "f0": 1500.0, "C": 25.0}
         made[name] = (
-            flat.design(handout, "thickness", **shock, between=(2.0, 2.2), **how),
-            flat.tolerance(handout, {"thickness": "2 %"}, *asked, samples=8, **how).N_mean.item(),
+            snapmap.design(Study(handout, **how), "thickness", between=(2.0, 2.2), **shock),
+            snapmap.tolerance(
+                Study(handout, **how), {"thickness": "2 %"}, *asked, samples=8
+            ).N_mean.item(),
         )
     (of_own, mean), (of_law, mean_of_law) = made.values()
     assert abs(of_own.value - of_law.value) < of_own.error + of_law.error
@@ -297,13 +297,13 @@ def test_the_stress_under_laws_is_that_of_the_device_where_they_are_its_own(hand
     """And that of a history; with a law of the force it is unknown."""
     device = batch([replace(handout, strength=450.0)])
     cells = to_cells(device, 0, np.array([1500.0, 900.0]), 1000.0, 25.0, 100.0).flat()
-    models = [flat.model(**COSINES, laws=laws) for laws in (None, LINEAR, {"contact": hertz})]
-    stress = [largest_stress(device, model, cells, Run(100.0)) for model in models]
+    models = [snapmap.Cosines(modes=3, laws=laws) for laws in (None, LINEAR, {"contact": hertz})]
+    stress = [largest_stress(device, model, cells, Run(horizon=100.0)) for model in models]
     np.testing.assert_allclose(stress[1], stress[0], rtol=1e-6)
-    run = flat.simulate(handout, 900.0, 1000.0, 25.0, models[2], horizon=100.0)
+    run = snapmap.simulate(Study(handout, models[2], horizon=100.0), 900.0, 1000.0, 25.0)
     assert stress[2][1] == pytest.approx(run.stress.max().item(), rel=1e-4)
     with pytest.raises(ValueError, match=r"^device\.strength: does not work with these laws"):
-        build_model(device, flat.model("cosines", laws={"force": lambda x: x * (x - 8) * (x - 18)}))
+        build_model(device, snapmap.Cosines(laws={"force": lambda x: x * (x - 8) * (x - 18)}))
 
 
 @pytest.mark.long

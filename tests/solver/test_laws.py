@@ -5,7 +5,6 @@ import runpy
 from dataclasses import replace
 from functools import cache
 
-import flat
 import numpy as np
 import pytest
 import yaml
@@ -13,11 +12,12 @@ from scipy.signal import lsim
 from small_studies import THREE_COSINES
 
 import snapmap
+from snapmap import Study
 from snapmap.applications import gather
 from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import doubts, load_config
+from snapmap.config.doubts import descriptions
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
@@ -57,7 +57,7 @@ def test_the_examples_move_as_scipy_says(handout, laws, damping, contact, C):
     """And otherwise than the device does without them."""
     both = replace(laws(damping), contact=laws(contact).contact)
     run = {"horizon": 100.0, "until": "snap", "repeat": True}
-    study = snapmap.Study(handout, Elements(laws=both), run=run)
+    study = snapmap.Study(handout, Elements(laws=both), **run)
     cube = snapmap.sweep(study, [2500.0], [F0], [C])
     equations, cells = equations_of(build_model(handout, Elements())), to_rows(0, F0, C)
     (exact,) = by_scipy(equations, "DOP853", 1e-8, both)(cells.cells(handout, 2500.0, 100.0).flat())
@@ -78,7 +78,7 @@ def double_well(handout, laws):
 
 def first_snap(model, rows, expected, tolerance):
     bracket = 0.9 * expected, 1.1 * expected
-    return lowest_snap(Probe(model, rows, Run(1500.0)), bracket, tolerance).item()
+    return lowest_snap(Probe(model, rows, Run(horizon=1500.0)), bracket, tolerance).item()
 
 
 def test_a_short_pulse_must_bring_the_energy_of_the_saddle_a_slow_one_the_force(double_well, laws):
@@ -132,7 +132,7 @@ def test_a_contact_has_an_energy_that_proves_or_has_not(handout, contact, gap, s
 
 def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     device, model, _ = double_well
-    run = flat.simulate(device, 400, 500, 0.0, model=model, horizon=0.0)
+    run = snapmap.simulate(Study(device, model, horizon=0.0), 400, 500, 0.0)
     assert run.barrier == pytest.approx(20 * 224 / 27, rel=1e-5) and run.outcome == SNAPPED
     assert run.second_equilibrium == pytest.approx(device.beam.rise - 18, abs=1e-3)
     assert np.isnan(run.stress).all()
@@ -238,7 +238,10 @@ def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
         ([900.0], [F0], [3e4]),
         {"model": Elements(laws={"damping": lambda C, v, y: C * v})},
     )
-    cube, edges = flat.sweep(handout, *axes, **model), flat.threshold(handout, *axes[1:])
+    cube, edges = (
+        snapmap.sweep(Study(handout, **model), *axes),
+        snapmap.threshold(handout, *axes[1:]),
+    )
     shown = {"horizon": 0.0, "title": "", "pulse": {}, "required": ()}
     text = page(cube, edges, shown | {"written": device_sections(handout)})
     assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text
@@ -248,7 +251,7 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
     """A drag of C velocity^2 has kg/m."""
     seen = {"damping": lambda C, velocity, place: C * abs(velocity) * velocity}
     model = Elements(laws=seen | {"unit_of_C": "uN*us^2/um^2"})
-    study = snapmap.Study(handout, model, run={"until": "snap"})
+    study = snapmap.Study(handout, model, until="snap")
     cube = snapmap.sweep(study, [900.0], [F0], ["6e-6 kg/m", "7 uN*us^2/um^2", 8.0])
     assert cube.C.values.tolist() == pytest.approx([6.0, 7.0, 8.0])
     assert cube.C.units == "uN us2 um-2" and cube.N.units == "1"
@@ -259,7 +262,7 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
         ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
     ):
         snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
-    own = snapmap.Study(handout, Elements(laws=seen), run={"until": "snap"})
+    own = snapmap.Study(handout, Elements(laws=seen), until="snap")
     own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
     assert own.C.units == "uN us um-1" and "unit_of_C" not in own.attrs["config"]
 

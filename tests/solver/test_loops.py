@@ -3,13 +3,14 @@
 import re
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import scipy.linalg
 from conserving_loop import assert_followed
 from varied import in_steps, varied
 
+import snapmap
+from snapmap import Study
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.pulse.pulse import make_pulse
@@ -19,7 +20,7 @@ from snapmap.solver.kernel import rows as R
 from snapmap.solver.ledger import CellRun, Ledger
 from snapmap.solver.models import build_model
 from snapmap.solver.nodal import System, nodal_system
-from snapmap.solver.options import Cosines
+from snapmap.solver.options import MODELS, Cosines
 from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import Run
 from snapmap.thresholds.probe import Probe, lowest_snap
@@ -145,7 +146,7 @@ DEVICES = {
 @pytest.mark.parametrize("name", DEVICES)
 @pytest.mark.parametrize("kind", ["cosines", "elements"])
 def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, steps):
-    model = build_model(varied(handout, **DEVICES[name]), flat.model(kind, modes=3))
+    model = build_model(varied(handout, **DEVICES[name]), MODELS[kind](modes=3))
     motion, _ = assert_followed(model, make_pulse("half sine"), 3000.0, 2e4, 25.0, dt, steps)
     assert np.ptp(motion.y) > 1 and np.ptp(motion.u, axis=0).all()
 
@@ -156,11 +157,11 @@ def test_the_kernel_follows_the_plain_loop_to_rounding(handout, kind, name, dt, 
 def test_energy_is_conserved_to_rounding(handout, name, kind):
     """Over thousands of impacts, in steps a hundred times apart."""
     device = varied(handout, **DEVICES[name])
-    model = build_model(device, flat.model(kind, modes=3))
+    model = build_model(device, MODELS[kind](modes=3))
     model = replace(model, barrier=model.barrier._replace(energy=0.0))
     cells = to_cells(device, 0, [880.0, 1100.0, 1500.0], 1500.0, [0.0, 0.025, 25.0], 5000.0)
     for factor in (1.0, 10.0, 100.0):
-        seen = model.with_step(factor).follow_once(cells, Run(5000.0))
+        seen = model.with_step(factor).follow_once(cells, Run(horizon=5000.0))
         assert seen.energy_error.max() < 1e-11
 
 
@@ -169,7 +170,7 @@ def test_the_kernel_converges_with_order_two_until_contact_opens(handout, fix_st
     ends = []
     for step in (0.4, 0.2, 0.1, 0.05):
         fix_step(step)
-        run = flat.simulate(handout, 800.0, 500.0, 25.0, "cosines", modes=3)
+        run = snapmap.simulate(Study(handout, "3 cosines"), 800.0, 500.0, 25.0)
         early = run.sel(time=slice(20, 300))
         assert (early.contact_force > 0).all()
         end = run[["w_mid", "z_mass"]].interp(time=300.0, method="cubic")
@@ -184,13 +185,18 @@ def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     hard, stiff = (build_model(device, Cosines(modes=5)) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
-    t_snaps = [model.follow(cells, Run(300.0, until="snap")).t_snap for model in (hard, stiff)]
+    t_snaps = [
+        model.follow(cells, Run(horizon=300.0, until="snap")).t_snap for model in (hard, stiff)
+    ]
     np.testing.assert_allclose(*t_snaps, rtol=1e-6)
     assert np.isfinite(t_snaps[0]).any() and np.isnan(t_snaps[0]).any()
 
 
 def threshold(device, name, C=0.025, step=None, **size):
-    model, settings = build_model(device, flat.model(name, **size)), Run(300.0, until="snap")
+    model, settings = (
+        build_model(device, MODELS[name](elements=20, modes=9)),
+        Run(horizon=300.0, until="snap"),
+    )
     model = in_steps(model, step) if step else model
     probe = Probe(model, to_rows(0, 1500.0, C), settings)
     return lowest_snap(probe, (700.0, 1100.0), 1e-6).item()
@@ -230,7 +236,7 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):
     def seconds_of_a_step(name):
         cells = to_cells(handout, 0, 900.0, [1000.0], 25.0, 1500.0)
-        dt, seconds = steps_and_seconds(build_model(handout, flat.model(name)), cells, Run())
+        dt, seconds = steps_and_seconds(build_model(handout, MODELS[name]()), cells, Run())
         return (seconds * dt / cells.t_end).item()
 
     assert seconds_of_a_step("reference") > 10 * seconds_of_a_step("elements")

@@ -13,10 +13,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import flat
 import snapmap
 from snapmap.beam.modal import natural_frequency
 from snapmap.study.netcdf import write
+from snapmap import Reference, Study
 from snapmap.solver.outcome import SNAPPED
 from snapmap.numerics.portable import geometric, linear
 
@@ -27,17 +27,17 @@ ringing = replace(device, beam=damped)
 chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.025]}
 
 
-def sweep(model, device=device, **options):
-    return flat.sweep(device, **chaotic, model=model, **options)
+def sweep(model, device=device):
+    return snapmap.sweep(Study(device, model), **chaotic)
 
 
 products = {
-    "cosines": lambda: sweep("cosines", modes=3),
-    "elements": lambda: sweep("elements", elements=2),
-    "reference": lambda: sweep("reference", elements=2),
-    "history": lambda: flat.simulate(device, 2200.0, 1000.0, 0.025, model="cosines", modes=3),
-    "quality": lambda: sweep("cosines", ringing, modes=3),
-    "threshold": lambda: flat.threshold(device, [1500.0, 6000.0], [0.025], model="cosines"),
+    "cosines": lambda: sweep("3 cosines"),
+    "elements": lambda: sweep("2 elements"),
+    "reference": lambda: sweep(Reference(elements=2)),
+    "history": lambda: snapmap.simulate(Study(device, "3 cosines"), 2200.0, 1000.0, 0.025),
+    "quality": lambda: sweep("3 cosines", ringing),
+    "threshold": lambda: snapmap.threshold(Study(device, "cosines"), [1500.0, 6000.0], [0.025]),
 }
 for name in names or products:
     product = products[name]()

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from varied import in_steps, varied
 
 import snapmap
+from snapmap import Study
 from snapmap.applications.histories.motion import record
 from snapmap.device.device import batch
 from snapmap.pulse.pulse import make_pulse
@@ -59,7 +59,7 @@ def test_a_latched_beam_never_rises_past_the_saddle_again(handout):
     device = varied(handout, damping=4e-4)
     model, saddle = build_model(device, Cosines(modes=3)), -device.beam.rise / 3
     cells = to_cells(device, 0, *random_cells(30, 2, [25.0, 200.0]), 6000.0)
-    seen, dt = model.follow_once(cells, Run(6000.0)), model.steps.of(cells, STAY)
+    seen, dt = model.follow_once(cells, Run(horizon=6000.0)), model.steps.of(cells, STAY)
     outcome = label(seen, Run().energy_tolerance)
     snapped = np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))
     for i in snapped:
@@ -74,7 +74,7 @@ def test_a_run_whose_energy_error_exceeds_its_margin_proves_nothing(handout, con
     """On purpose: the roughest steps. What is proven must be what a fine step shows."""
     device = varied(handout, contact=contact)
     N, *others = random_cells(100, 3, [0.025, 25.0])
-    model, settings = build_model(device, Cosines(modes=3)), Run(3000.0)
+    model, settings = build_model(device, Cosines(modes=3)), Run(horizon=3000.0)
 
     def follow(N, step):
         return in_steps(model, step).follow(to_cells(device, 0, N, *others, 3000.0), settings)
@@ -97,7 +97,7 @@ def test_a_run_proves_nothing_while_it_keeps_more_energy_than_the_barrier(handou
     def follow_under(energy, device, which, N):
         built = in_steps(build_model(device, Elements()), 1.0)
         built = replace(built, barrier=built.barrier._replace(energy=energy))
-        return built.follow_once(to_cells(device, which, N, 3e3, 0.0, 3e3), Run(3e3))
+        return built.follow_once(to_cells(device, which, N, 3e3, 0.0, 3e3), Run(horizon=3e3))
 
     work = follow_under(0.0, handout, 0, N).pulse_work
     barriers = np.outer(work, shares).ravel()
@@ -110,10 +110,10 @@ def test_a_run_proves_nothing_while_it_keeps_more_energy_than_the_barrier(handou
 def test_a_snap_seen_together_with_the_end_of_its_pulse_is_followed_on(root):
     device = snapmap.load_device(root / "config" / "sensor.yaml")
     N, f0 = np.linspace(1240.0, 1280.0, 41), np.linspace(7900.0, 8000.0, 5)
-    asked = {"model": "cosines", "cosines": 3, "horizon": 4000, "pulse": "half sine"}
-    cube = flat.sweep(device, N, f0, [100.0], **asked)
+    asked = {"model": {"name": "cosines", "cosines": 3}, "horizon": 4000, "pulse": "half sine"}
+    cube = snapmap.sweep(Study(device, **asked), N, f0, [100.0])
     assert not np.isin(cube.outcome.where(cube.well == 0), PROVEN).any()
-    to_snap = flat.sweep(device, N, f0, [100.0], until="snap", **asked)
+    to_snap = snapmap.sweep(Study(device, until="snap", **asked), N, f0, [100.0])
     assert not np.isin(to_snap.outcome, (LATCHED, RETURNED)).any()
 
 
@@ -121,7 +121,7 @@ def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
     built, horizon = build_model(handout, Cosines(modes=3)), 900.0
     cells = to_cells(handout, 0, *random_cells(48, 7, [0.025, 25.0]), horizon)
-    seen, swing = built.follow_once(cells, Run(horizon)), 2 * np.pi / handout.own_frequency
+    seen, swing = built.follow_once(cells, Run(horizon=horizon)), 2 * np.pi / handout.own_frequency
     dt = built.steps.of(cells, STAY)
     assert set(seen.well) == {1, 2}
     np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)
@@ -140,6 +140,6 @@ def test_a_beam_without_a_saddle_that_rests_again_is_seen_on_the_side_of_its_onl
     built = build_model(tilts, Cosines(cosines=3))
     assert built.barrier.energy == 0
     N = np.array([100.0, 1500.0, 4000.0])
-    seen = built.follow_once(to_cells(tilts, 0, N, 5e3, 100.0, 3000.0), Run(3000.0))
+    seen = built.follow_once(to_cells(tilts, 0, N, 5e3, 100.0, 3000.0), Run(horizon=3000.0))
     assert np.isnan(seen.t_settled).all() and np.isfinite(seen.t_snap).any()
     assert set(seen.well) == {1} and set(seen.well_share) == {1}

@@ -1,11 +1,11 @@
 """The conserving scheme, equation by equation: the kernel's own motions solve those of the page."""
 
 import conserving_loop
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
+import snapmap
 from snapmap.applications.histories.motion import record
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.models import build_model
@@ -23,7 +23,7 @@ class Recorded:
     """A run of the kernel, p and y at every instant, and what the page makes of them."""
 
     def __init__(self, device):
-        model = build_model(device, flat.model("cosines", modes=3))
+        model = build_model(device, snapmap.Cosines(modes=3))
         pulse, amplitude = make_pulse("half sine"), N * device.gravity
         _, (motion,) = record(model, pulse, amplitude, F0 * 1e-6, C, DT, STEPS)
         self.device, self.motion = device, motion

@@ -2,7 +2,6 @@
 
 import json
 
-import flat
 import numpy as np
 import pytest
 import yaml
@@ -13,8 +12,8 @@ import snapmap
 from snapmap.applications.datasheet.datasheet import reset_force
 from snapmap.applications.requirements import shocks_of
 from snapmap.applications.requirements.check import check
+from snapmap.applications.whole import load_config
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.config.study import load_config
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.bounds import least_amplitudes
@@ -28,14 +27,14 @@ from studies.peers.equations import equations_of
 from studies.peers.scipy_ivp import compile_rate
 
 BACK = {"start": "second", "direction": "-z"}
-CHEAP = {"model": "cosines", "modes": 3}
+CHEAP = {"model": "3 cosines"}
 
 
 def test_a_buckled_straight_beam_is_its_own_mirror_image(handout):
     """Both shapes are alike: back along -z is there along +z, to the rise of 1e-8 that it has."""
     device = alone(handout, rise=0.0, residual_stress=-60.0, damping=2e-2)
     grid, asked = (np.linspace(0.0, 1.5e5, 16), [2e4], [0.0]), CHEAP | {"horizon": 300.0}
-    there, back = (flat.sweep(device, *grid, **asked, **each) for each in ({}, BACK))
+    there, back = (snapmap.sweep(Study(device, **asked, **each), *grid) for each in ({}, BACK))
     assert len(np.unique(there.outcome)) > 2
     np.testing.assert_array_equal(back.outcome, there.outcome)
     np.testing.assert_array_equal(back.well, 3 - there.well)
@@ -66,10 +65,12 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     snap = {"args": shock, "events": lambda t, x, *_: w(x)}
     run = solve_ivp(rate, (0, 50), start, "DOP853", rtol=1e-9, atol=1e-9, **snap)
     cells = to_rows(0, 2e4, 25.0).cells(handout, -N, 0.0)
-    seen = model.follow(cells, Run(0.0, "snap", start="second"))
+    seen = model.follow(cells, Run(horizon=0.0, until="snap", start="second"))
     assert seen.t_snap.item() == pytest.approx(run.t_events[0][0], rel=1e-5)
     fast, slow = (
-        flat.sweep(handout, [N], [2e4], [25.0], name, elements=3, until="snap", **BACK)
+        snapmap.sweep(
+            Study(handout, {"name": name, "elements": 3}, until="snap", **BACK), [N], [2e4], [25.0]
+        )
         for name in ("elements", "reference")
     )
     assert slow.t_snap.item() == pytest.approx(fast.t_snap.item(), rel=1e-3)
@@ -77,7 +78,7 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
 
 def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
     device = varied(handout, stop_away=30.0, damping=4e-4)
-    run = flat.simulate(device, 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    run = snapmap.simulate(Study(device, **CHEAP, **BACK), 6e4, 2e4, 25.0)
     parts = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
     kept = sum(run[f"{part}_energy"] for part in parts) - run.pulse_work
     depth = build_model(device, Cosines(modes=3)).second.energy
@@ -85,7 +86,7 @@ def test_the_ledger_closes_from_the_energy_of_the_second_shape(handout):
     assert abs(kept - depth).max() < 1e-9 * run.pulse_work.max()
     assert run.w_mid.max() > run.first_equilibrium == device.beam.rise
     # An electrode that the second shape touches opens as the beam leaves, and is closed till then.
-    run = flat.simulate(varied(device, contact_at=-7.0), 6e4, 2e4, 25.0, **CHEAP, **BACK)
+    run = snapmap.simulate(Study(varied(device, contact_at=-7.0), **CHEAP, **BACK), 6e4, 2e4, 25.0)
     rising = run.isel(time=slice(run.w_mid.values.argmax()))
     leaves = np.interp(-7.0, rising.w_mid, rising.time)
     assert run.t_closed == 0 and run.closed_for == pytest.approx(leaves, abs=0.01)
@@ -96,7 +97,7 @@ def test_what_is_proven_holds_for_longer_runs(handout):
     device = varied(handout, stop_away=6.0, damping=4e-3)
     grid = np.geomspace(1e3, 1.5e5, 16), [3e3, 2e4], [25.0, 500.0]
     asked = CHEAP | {"start": "second", "direction": "both"}
-    cube, longer = (flat.sweep(device, *grid, **asked, horizon=h) for h in (3e3, 6e3))
+    cube, longer = (snapmap.sweep(Study(device, horizon=h, **asked), *grid) for h in (3e3, 6e3))
     never, latched, returned = (cube.outcome == code for code in (1, 3, 4))
     assert never.any() and latched.any()
     proven = (never | latched | returned).values
@@ -107,10 +108,10 @@ def test_what_is_proven_holds_for_longer_runs(handout):
 
 def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout):
     device = alone(handout, 1.0, damping=4e-3)
-    edges = flat.threshold(device, [2e4, 2e5], [0.0], **CHEAP, **BACK)
+    edges = snapmap.threshold(Study(device, **CHEAP, **BACK), [2e4, 2e5], [0.0])
     assert (edges.N_bound < edges.N_first).all()
     assert edges.N_static.item() == pytest.approx(reset_force(device.beam)[0], rel=1e-6)
-    there = flat.threshold(device, [2e4], [0.0], **CHEAP, direction="-z")
+    there = snapmap.threshold(Study(device, direction="-z", **CHEAP), [2e4], [0.0])
     assert json.loads(edges.attrs["config"])["run"]["start"] == "second"
     assert "start" not in json.loads(there.attrs["config"])["run"]
     shock = {"shocks": make_shocks(direction="-z"), "f0": 2e4, "snaps": "arrives", "N": 45.0}
@@ -122,7 +123,7 @@ def test_nothing_snaps_back_below_the_bound_and_results_name_their_start(handout
 def test_the_energy_above_the_second_shape_is_within_both_bounds(handout):
     """solver/bounds.py: while the beam is in that well; of a pulse of area 1/2 and variation 2."""
     for device in (handout, alone(handout)):
-        run = flat.simulate(device, 4e4, 2e4, 0.0, **CHEAP, **BACK, horizon=0.0)
+        run = snapmap.simulate(Study(device, horizon=0.0, **CHEAP, **BACK), 4e4, 2e4, 0.0)
         assert run.w_mid.max() < run.second_equilibrium + 6  # before the saddle
         gained, peak = run.pulse_work.max().item(), 4e4 * device.gravity
         speed, weight = peak / (2 * 2e-2), device.mass + device.beam.weight

@@ -78,7 +78,7 @@ def test_only_a_mass_that_a_stop_throws_back_strikes_the_first_shape_at_full_spe
 
 
 def threshold(model, f0, C, pulse, tolerance):
-    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Run(300.0, until="snap")
+    rows, settings = to_rows(0, f0, C, 0, (pulse,)), Run(horizon=300.0, until="snap")
     reach = static_threshold(model.device) * np.array([0.5, 4.0])
     return lowest_snap(Probe(model, rows, settings), tuple(reach), tolerance)
 

@@ -2,11 +2,12 @@
 
 from itertools import pairwise
 
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device
 from snapmap.pulse.pulse import make_pulse
@@ -76,9 +77,9 @@ def test_the_energy_is_known_to_rounding(handout, C):
         device = varied(handout, stop_toward=14.0, stop_away=3.0, restitution=e)
         model = build_model(device, Cosines(modes=3))
         cells = to_cells(device, 0, [600.0, 1100.0, 5000.0], [1500.0, 1500.0, 2e4], C, 2000.0)
-        assert model.follow_once(cells, Run(2000.0)).energy_error.max() < 1e-11
+        assert model.follow_once(cells, Run(horizon=2000.0)).energy_error.max() < 1e-11
     elastic = varied(device, restitution=1.0)
-    run = flat.simulate(elastic, 5000.0, 2e4, 0.0, model="cosines", modes=3)
+    run = snapmap.simulate(Study(elastic, "3 cosines"), 5000.0, 2e4, 0.0)
     assert run.z_mass.max() - run.z_mass.min() == 17.0
     assert abs(run.dissipated_energy).max() < 1e-12 * run.pulse_work.max()
 
@@ -87,7 +88,7 @@ def test_the_energy_is_known_to_rounding(handout, C):
 def test_a_stop_takes_energy_only_and_holds_a_mass_that_is_pressed_on_it(handout, model):
     """Pulled up by 2e5 g for 200 us, while the beam bows up against it."""
     device = varied(handout, contact=4000.0, stop_away=0.05)
-    run = flat.simulate(device, 2e5, 5e3, 0.025, model, direction="-z", horizon=100.0)
+    run = snapmap.simulate(Study(device, model, direction="-z", horizon=100.0), 2e5, 5e3, 0.025)
     assert np.diff(run.dissipated_energy).min() > -1e-12 * run.dissipated_energy.max()
     assert np.mean(run.z_mass[run.time < 200.0] == 10.05) > 0.9
 
@@ -121,7 +122,7 @@ def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
     model = build_model(device, Cosines(modes=modes))
     N = np.linspace(0.25, 1.0, 16) * highest
     cells = to_cells(device, 0, N, f0, 0.0, 200.0, 0, (make_pulse(shape).reversed(),))
-    settings = Run(200.0, until="snap")
+    settings = Run(horizon=200.0, until="snap")
     usual, fine = (
         np.isfinite(each.follow_once(cells, settings).t_snap)
         for each in (model, model.with_step(0.125))
@@ -132,7 +133,9 @@ def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
 @pytest.mark.parametrize("model", [{"name": "cosines", "modes": 3}, {"name": "reference"}])
 def test_stops_out_of_reach_change_no_bit(handout, model):
     far = varied(handout, stop_toward=1e3, stop_away=1e3)
-    free, held = (flat.simulate(each, 1300.0, 3000.0, 25.0, model) for each in (handout, far))
+    free, held = (
+        snapmap.simulate(Study(each, model), 1300.0, 3000.0, 25.0) for each in (handout, far)
+    )
     for key in free:
         np.testing.assert_array_equal(free[key], held[key])
 

@@ -24,7 +24,7 @@ def scene(handout):
 
 def test_the_bars_of_snapmap_have_the_thresholds_of_the_judge(scene, handout):
     assert scene.error < 3e-6
-    study = Study(handout, Cosines(modes=3), run={"horizon": HORIZON})
+    study = Study(handout, Cosines(modes=3), horizon=HORIZON)
     edges = threshold(study, np.unique(scene.f0), np.unique(scene.C))
     edges = edges[["N_first", "N_error", "ragged"]].stack(row=("C", "f0"))
     assert not edges.ragged.any()

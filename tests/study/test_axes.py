@@ -4,14 +4,15 @@ import itertools
 import math
 from dataclasses import replace
 
-import flat
 import pytest
 import yaml
 from small_results import assert_same_cube
 from small_studies import TINY
 from varied import varied
 
-from snapmap.config.study import load_config
+import snapmap
+from snapmap import Study
+from snapmap.applications.whole import load_config
 from snapmap.config.views import frequency_of
 from snapmap.device.device import VALUES
 from snapmap.study.axes import duration_of
@@ -20,12 +21,12 @@ from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import make_plan
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 100.0}
+CHEAP = {"model": "3 cosines", "horizon": 100.0}
 MODELS = {
-    "elements": {"model": "elements", "elements": 3},
-    "cosines": {"model": "cosines", "modes": 3},
+    "elements": {"model": "3 elements"},
+    "cosines": {"model": "3 cosines"},
     "auto": {"model": "auto"},
-    "reference": {"model": "reference", "elements": 2, "until": "snap"},
+    "reference": {"model": snapmap.Reference(elements=2), "until": "snap"},
 }
 
 
@@ -38,11 +39,15 @@ def test_every_value_can_be_an_axis(handout, key):
     handout = varied(handout, free=1.0, imperfection=0.01) if key == "imperfection" else handout
     nominal = getattr(handout.beam, key, None) or getattr(handout, key, None) or 1e-3
     values = [*dict.fromkeys((1.01 * nominal, 0.99 * nominal))]
-    asked = {"N": SHOCK["N"], "f0": [1500.0], "C": [25.0], "until": "snap", **CHEAP}
-    cube = flat.sweep(handout, **asked, **{key: values})
+    how = {"until": "snap", **CHEAP}
+    asked = {"N": SHOCK["N"], "f0": [1500.0], "C": [25.0]}
+    cube = snapmap.sweep(Study(handout, **how), **asked, axes={key: values})
     assert cube[key].values.tolist() == values and cube[key].attrs["units"]
     for i, value in enumerate(values):
-        assert same(cube.isel({key: i}), flat.sweep(varied(handout, **{key: value}), **asked))
+        assert same(
+            cube.isel({key: i}),
+            snapmap.sweep(Study(varied(handout, **{key: value}), **how), **asked),
+        )
 
 
 DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}
@@ -51,11 +56,11 @@ DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}
 @pytest.mark.parametrize("model", MODELS)
 def test_devices_by_name_and_their_values_are_axes(handout, model):
     devices = {name: varied(handout, **values) for name, values in DEVICES.items()}
-    asked = SHOCK | {"horizon": 200.0, "threads": 2} | MODELS[model]
-    cube = flat.sweep(devices, **asked, spring=[5.0, 6.5])
+    how = {"horizon": 200.0, "threads": 2} | MODELS[model]
+    cube = snapmap.sweep(Study(devices, **how), **SHOCK, axes={"spring": [5.0, 6.5]})
     assert cube.outcome.dims == ("device", "spring", "C", "f0", "N")
     for (name, device), spring in itertools.product(devices.items(), [5.0, 6.5]):
-        alone = flat.sweep(varied(device, spring=spring), **asked)
+        alone = snapmap.sweep(Study(varied(device, spring=spring), **how), **SHOCK)
         assert same(cube.sel(device=name, spring=spring), alone)
 
 
@@ -84,8 +89,10 @@ def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
     for slab, path in zip(slabs, paths, strict=True):
         write_slab(replace(study, skip=True), slab, path)
     cube = collect_slabs(paths, study.axes, whole)
-    asked = CHEAP | {"horizon": 200.0, "skip": True}
-    assert_same_cube(cube, flat.sweep(study.device, **study.axes, **asked))
+    asked = Study(study.device, "3 cosines", horizon=200.0, skip=True)
+    axes = dict(study.axes)
+    shock = {key: axes.pop(key) for key in SHOCK}
+    assert_same_cube(cube, snapmap.sweep(asked, **shock, axes=axes))
 
 
 def test_a_duration_comes_back_from_the_f0_that_it_became():

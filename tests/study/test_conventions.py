@@ -2,16 +2,16 @@
 
 import json
 
-import flat
 import pytest
 import xarray as xr
 
 import snapmap
+from snapmap import Study
 from snapmap.solver.outcome import ABSENT, OUTCOMES
 from snapmap.study.netcdf import write
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the checker itself
-MODEL = {"model": "cosines", "modes": 3}
+MODEL = {"model": "3 cosines"}
 # The checker takes what is called time for a date; the time of a history is a duration.
 DURATION = "Coordinate variable 'time' should have standard_name='time', found: 'None'"
 
@@ -21,9 +21,9 @@ def files(handout, tmp_path_factory):
     """A cube, a history and thresholds as files."""
     folder = tmp_path_factory.mktemp("files")
     made = {
-        "cube": flat.sweep(handout, [900.0, 1100.0], [1500.0, 3e3], [0.025], **MODEL),
-        "history": flat.simulate(handout, 1000.0, 1500.0, 0.025, horizon=100.0, **MODEL),
-        "threshold": flat.threshold(handout, [1500.0], [0.025], horizon=300.0, **MODEL),
+        "cube": snapmap.sweep(Study(handout, **MODEL), [900.0, 1100.0], [1500.0, 3e3], [0.025]),
+        "history": snapmap.simulate(Study(handout, horizon=100.0, **MODEL), 1000.0, 1500.0, 0.025),
+        "threshold": snapmap.threshold(Study(handout, horizon=300.0, **MODEL), [1500.0], [0.025]),
     }
     for name, dataset in made.items():
         write(dataset, folder / f"{name}.nc")

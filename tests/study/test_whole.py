@@ -20,7 +20,7 @@ from snapmap.applications import (
     tolerances,
     window,
 )
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.study.netcdf import open_whole, write
 
 

@@ -10,7 +10,7 @@ from small_results import TINY, make_cells
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.sweeps.collect import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 

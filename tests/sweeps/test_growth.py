@@ -4,7 +4,6 @@ import itertools
 import math
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +13,8 @@ from small_results import assert_same_cube
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_config
+from snapmap import Study
+from snapmap.applications.whole import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
@@ -123,8 +123,7 @@ def test_only_new_cells_are_followed(tmp_path, followed, grown, model):
     kept = len(set(old["f0"]) & set(new["f0"])) * len(set(old["N"]) & set(new["N"]))
     kept *= grown != "N"
     assert sum(followed) == len(new["f0"]) * len(new["N"]) - kept
-    options = {"modes": 3} if model == "cosines" else {}
-    in_one = flat.sweep(whole.device, **new, model=model, horizon=200.0, until="snap", **options)
+    in_one = snapmap.sweep(Study(whole.device, whole.model, horizon=200.0, until="snap"), **new)
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 

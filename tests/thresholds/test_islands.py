@@ -1,9 +1,10 @@
 """Islands that few runs or cheap levels might miss: against dense scans and eleven cosines."""
 
-import flat
 import numpy as np
 import pytest
 
+import snapmap
+from snapmap import Study
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import UNCOMPARED, choose_survey
@@ -39,7 +40,7 @@ TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
 )
 def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
     rows = to_rows(0, f0, C, 0, [how["pulse"]])
-    settings = Run(how["horizon"], start=how["start"])
+    settings = Run(horizon=how["horizon"], start=how["start"])
     eleven = build_model(batch([device]), Cosines(modes=11))
 
     def snaps(step, N):
@@ -48,11 +49,11 @@ def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, h
     labels, finer_labels = (snaps(step, N) for step in (1.0, 0.5))
     sure = labels == finer_labels
     assert np.count_nonzero(np.diff(labels)) >= 3 and sure.mean() > 0.6
-    cube = flat.sweep(device, N, [f0], [C], until="snap", **how).squeeze()
+    cube = snapmap.sweep(Study(device, until="snap", **how), N, [f0], [C]).squeeze()
     np.testing.assert_array_equal(cube.t_snap.notnull()[sure], labels[sure])
     assert ((cube.agreed == UNCOMPARED) == (cube.level == 0)).all()
 
-    edges = flat.threshold(device, [f0], [C], **how).squeeze()
+    edges = snapmap.threshold(Study(device, **how), [f0], [C]).squeeze()
     N = np.geomspace(0.97, 1.02, 60) * edges.N_first.item()
     snapped = snaps(0.5, N)
     first = N[np.argmax(snapped)]

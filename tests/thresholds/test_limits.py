@@ -3,11 +3,12 @@
 import math
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.beam.equilibria import find_barrier, shapes_of
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import batch
@@ -50,8 +51,8 @@ def compliance(device):
 def test_no_run_has_more_energy_than_its_pulse_gives(handout, change, N, f0, C, shape, direction):
     """Held against histories."""
     device = replace(handout, **change)
-    asked = {"horizon": 500.0, "pulse": shape, "direction": direction, "modes": 5}
-    run = flat.simulate(device, N, f0, C, "cosines", **asked)
+    asked = {"horizon": 500.0, "pulse": shape, "direction": direction}
+    run = snapmap.simulate(Study(device, "5 cosines", **asked), N, f0, C)
     parts = ("kinetic", "spring", "bending", "axial", "contact")
     energy = sum(run[f"{part}_energy"] for part in parts).values
     # Until it snaps, as the bounds are asked for no longer.
@@ -84,8 +85,9 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
 )
 def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, spring, pulse, independent):
     """Thresholds of a code of others; half a unit of their last digit."""
-    asked = {"C": [0.5], "horizon": 6000.0, "direction": "-z", "pulse": pulse}
-    edge = flat.threshold(replace(handout, spring=spring), [1000.0], **asked)
+    how = {"horizon": 6000.0, "direction": "-z", "pulse": pulse}
+    asked = {"C": [0.5]}
+    edge = snapmap.threshold(Study(replace(handout, spring=spring), **how), [1000.0], **asked)
     assert edge.status == FOUND and abs(edge.N_first - independent) <= edge.N_error + 0.05
     assert edge.N_bound < edge.N_first < 0.25 * static_threshold(handout)
 
@@ -93,15 +95,16 @@ def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, spring, pulse
 def test_a_beam_that_leaves_a_mass_at_its_stop_snaps_far_below_the_statics(handout):
     """20 elements snap at 10 000, and do not in steps of 50 from 9700 on."""
     device = replace(handout, stop_toward=10.0, stop_away=6.0)
-    edge = flat.threshold(device, f0=[1500.0], C=[25.0])
+    edge = snapmap.threshold(device, f0=[1500.0], C=[25.0])
     assert abs(edge.N_first - 1e4) <= edge.N_error and edge.N_first < edge.N_static / 3
 
 
 def test_a_threshold_that_is_not_there_has_its_reason(handout):
     """Pulses that pull slowly, ordinary ones, and those too short for any step."""
-    asked = {"C": [25.0], "horizon": 100.0, "model": "cosines", "modes": 3}
-    back = flat.threshold(handout, [50.0], direction="-z", **asked)
-    there = flat.threshold(handout, [1500.0, 1e12], **asked).squeeze("C")
+    how = {"model": "3 cosines", "horizon": 100.0}
+    asked = {"C": [25.0]}
+    back = snapmap.threshold(Study(handout, direction="-z", **how), [50.0], **asked)
+    there = snapmap.threshold(Study(handout, **how), [1500.0, 1e12], **asked).squeeze("C")
     assert back.status == NOTHING_SNAPS and back.N_looked > 4 * static_threshold(handout)
     assert there.status.values.tolist() == [FOUND, NOT_FOLLOWED]
     assert np.isfinite(there.N_first).values.tolist() == [True, False]
@@ -117,7 +120,7 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
 
 def test_the_deciding_level_looks_where_the_cheap_one_cannot(handout):
     """At 1e8 Hz only its shorter steps follow the pulse, which is as good as a jump in velocity."""
-    edges = flat.threshold(handout, [1e8], [25.0], horizon=300.0).squeeze()
+    edges = snapmap.threshold(Study(handout, horizon=300.0), [1e8], [25.0]).squeeze()
     change = edges.N_first * handout.gravity * 0.5 / 100.0
     assert change.item() == pytest.approx(edges.velocity_change.item(), rel=0.01)
 
@@ -137,7 +140,7 @@ def test_a_light_mass_on_its_spring_does_not_bound_the_step(handout):
     model = build_model(light, Cosines(modes=3))
     assert model.steps.pressed > 100 * np.sqrt(light.mass / light.spring)
     cells = to_cells(light, 0, [1e5], 1e5, 0.025, 20.0)
-    assert model.follow(cells, Run(20.0)).energy_error < 1e-6
+    assert model.follow(cells, Run(horizon=20.0)).energy_error < 1e-6
 
 
 SWINGS = math.pi / np.array([0.002, 0.02, 0.1, 0.2])
@@ -178,7 +181,7 @@ def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvatur
 @pytest.mark.equation(43, 44, 45)
 def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
     f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
-    edges = flat.threshold(handout, f0, C, model="cosines", modes=3, tolerance=1e-5)
+    edges = snapmap.threshold(Study(handout, "3 cosines"), f0, C, tolerance=1e-5)
     np.testing.assert_allclose(edges.N_slow, edges.N_first, rtol=1e-3)
     assert edges.dwell.values.tolist() == [2 / departure_rate(handout, c) for c in C]
     # N_static of the exact beam is 2e-4 above that of three cosines.

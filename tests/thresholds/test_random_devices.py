@@ -1,10 +1,11 @@
 """Thresholds of devices unlike the handout's: light masses, stiff springs, chance draws."""
 
-import flat
 import numpy as np
 import pytest
 from varied import in_steps, varied
 
+import snapmap
+from snapmap import Study
 from snapmap.pulse.shocks import HANDOUT_SHOCK, make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -18,7 +19,7 @@ from studies.random_devices import draw_device, draw_shocks
 
 def assert_covered(device, f0, C, within, reach, shock=HANDOUT_SHOCK):
     """The bar covers the first snap of 20 elements, and is small; returns the threshold."""
-    edge = flat.threshold(device, [f0], [C], pulse=shock.pulse, threads=2).squeeze()
+    edge = snapmap.threshold(Study(device, pulse=shock.pulse, threads=2), [f0], [C]).squeeze()
     fine = in_steps(build_model(device, Elements(elements=20, modes=9)), 0.3)
     rows, bracket = to_rows(0, f0, C, 0, shock.pulses), edge.N_first.item() * (1 + reach)
     truth = lowest_snap(Probe(fine, rows, Run(threads=2)), tuple(bracket), 1e-5, 0.002)[0]
@@ -34,7 +35,9 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
-    edges = flat.threshold(handout, [1500.0, 5800.0, 9000.0], [0.025], threads=2).squeeze("C")
+    edges = snapmap.threshold(Study(handout, threads=2), [1500.0, 5800.0, 9000.0], [0.025]).squeeze(
+        "C"
+    )
     assert edges.ragged.values.tolist() == [0, 1, 1]
     assert np.isfinite(edges.N_error).all()
     assert (edges.N_first <= edges.N_always).all()

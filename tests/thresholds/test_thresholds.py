@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 from snapmap.solver.adaptive import Survey
@@ -22,7 +23,8 @@ from snapmap.thresholds.probe import Probe, amplitudes, near, walk
 from snapmap.thresholds.ragged import refine_edges
 from snapmap.thresholds.search import Search, find_changes
 
-CHEAP = {"f0": [1500.0], "C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
+HOW = {"model": "3 cosines", "horizon": 300.0}
+CHEAP = {"f0": [1500.0], "C": [25.0]}
 
 
 def test_amplitudes_reach_both_ends_in_even_steps():
@@ -137,11 +139,12 @@ def test_the_distance_to_another_level_is_bracketed():
 def test_thresholds_lie_within_their_error_bars(handout, fix_step):
     """On two devices: `auto` against a converged model, and the error bar against the truth."""
     stiff = replace(handout, mass=5e3, spring=8.0, contact=np.inf)
-    rows = {"f0": [400.0, 1500.0], "C": [25.0], "horizon": 300.0}
-    usual = [flat.threshold(device, **rows) for device in (handout, stiff)]
+    how = {"horizon": 300.0}
+    rows = {"f0": [400.0, 1500.0], "C": [25.0]}
+    usual = [snapmap.threshold(Study(device, **how), **rows) for device in (handout, stiff)]
     fix_step(0.15)
     for device, edges in zip((handout, stiff), usual, strict=True):
-        fine = flat.threshold(device, **rows, model="cosines", modes=11)
+        fine = snapmap.threshold(Study(device, "11 cosines", **how), **rows)
         error = abs(edges.N_first - fine.N_first)
         assert (error <= edges.N_error + fine.N_error).all()
         assert (error <= 5e-4 * fine.N_first).all()
@@ -150,10 +153,10 @@ def test_thresholds_lie_within_their_error_bars(handout, fix_step):
 
 def test_narrow_islands_below_a_threshold_are_seen(handout):
     """At 11 kHz labels change five times within 0.5 %, as finer steps see them one by one."""
-    edges = flat.threshold(handout, [11078.0], [100.0], horizon=1500.0).squeeze()
+    edges = snapmap.threshold(Study(handout, horizon=1500.0), [11078.0], [100.0]).squeeze()
     fine = build_model(handout, Cosines(modes=5)).with_step(0.3)
     N = amplitudes(np.array([1420.0]), np.array([1460.0]), CLOSE_STEP)
-    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Run(1500.0)).snaps(N)
+    snapped = Probe(fine, to_rows(0, 11078.0, 100.0), Run(horizon=1500.0)).snaps(N)
     assert np.count_nonzero(np.diff(snapped)) > 1 and edges.ragged and edges.islands > 0
     first, last = N[snapped].min(), N[~snapped].max()
     assert abs(first - edges.N_first) <= edges.N_error
@@ -161,16 +164,17 @@ def test_narrow_islands_below_a_threshold_are_seen(handout):
 
 
 def test_a_threshold_is_where_the_sweep_changes(handout):
-    asked = {"f0": [1500.0], "C": [0.025], "horizon": 300.0, "model": "elements"}
-    N = flat.threshold(handout, **asked).N_first.item()
+    how = {"model": "elements", "horizon": 300.0}
+    asked = {"f0": [1500.0], "C": [0.025]}
+    N = snapmap.threshold(Study(handout, **how), **asked).N_first.item()
     assert pytest.approx(984.73, abs=0.1) == N
-    cube = flat.sweep(handout, N=[0.9997 * N, 1.0001 * N], until="snap", **asked)
+    cube = snapmap.sweep(Study(handout, until="snap", **how), N=[0.9997 * N, 1.0001 * N], **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
 
 
 def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
     with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
-        close = flat.threshold(handout, **CHEAP, tolerance=1e-5)
+        close = snapmap.threshold(Study(handout, **HOW), tolerance=1e-5, **CHEAP)
     assert close.N_error.item() > 2e-5 * close.N_first.item()
 
 
@@ -178,11 +182,11 @@ def test_what_latches_from_a_shock_on_does_so_in_another_step_too(handout):
     """And a damped beam latches wherever it snaps."""
     f0, C = [400.0, 1500.0, 9000.0], [25.0, 200.0]
     ringing, damped = (varied(handout, damping=damping) for damping in (5e-4, 1e-2))
-    edges = flat.threshold(ringing, f0, C, model="cosines", horizon=1500.0)
+    edges = snapmap.threshold(Study(ringing, "cosines", horizon=1500.0), f0, C)
     lowest, highest = edges.N_latched.values.ravel(), 2 * edges.N_first.values.ravel()
     latching = np.isfinite(lowest)
     assert latching.any() and not latching.all()
-    model, settings = build_model(batch([ringing]), Cosines()), Run(1500.0)
+    model, settings = build_model(batch([ringing]), Cosines()), Run(horizon=1500.0)
     rows = to_rows(0, np.tile(f0, 2), np.repeat(C, 3), 0, HANDOUT_SHOCK.pulses)
     N = np.column_stack([lowest, highest])[latching]
     for factor in (1.0, REPEATED_STEP):
@@ -190,5 +194,5 @@ def test_what_latches_from_a_shock_on_does_so_in_another_step_too(handout):
         seen = model.with_step(factor).follow(cells, settings)
         latches = label(seen, settings.energy_tolerance) == LATCHED
         assert latches[:, 1].all() and (factor < 1 or latches.all())
-    edges = flat.threshold(damped, f0[:2], C, model="cosines")
+    edges = snapmap.threshold(Study(damped, "cosines"), f0[:2], C)
     np.testing.assert_array_equal(edges.N_latched, edges.N_first)

@@ -1,10 +1,11 @@
 """Surfaces of thresholds: which rows are searched, which verified, and that both agree."""
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
 
+import snapmap
+from snapmap import Study
 from snapmap.numerics.portable import linear
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -14,7 +15,8 @@ from snapmap.thresholds import verified
 from snapmap.thresholds.probe import Probe, nearby
 from snapmap.thresholds.verified import Expected, fill
 
-ASKED = {"C": [25.0], "model": "cosines", "modes": 3, "horizon": 300.0}
+HOW = {"model": "3 cosines", "horizon": 300.0}
+ASKED = {"C": [25.0]}
 AXES = [linear(1.0, 3.0, 21), linear(-1.0, 1.0, 16)]
 
 
@@ -52,9 +54,9 @@ def test_a_cubic_is_expected_as_it_is_and_only_what_departs_from_one_is_searched
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     model = build_model(handout, Cosines(modes=3))
     rows = to_rows(0, 1000.0, np.full(4, 25.0))
-    known = flat.threshold(handout, [1000.0], **ASKED)
+    known = snapmap.threshold(Study(handout, **HOW), [1000.0], **ASKED)
     guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = nearby(Probe(model, rows, Run(300.0)), guess, 1e-4)
+    _, N = nearby(Probe(model, rows, Run(horizon=300.0)), guess, 1e-4)
     assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
     assert np.isnan(N[3])
 
@@ -62,11 +64,13 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
 def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):
     """Each by itself is searched; bytes do not depend on blocks."""
     f0, thickness = [700.0, 9e3], linear(1.9, 2.1, 9)
-    whole = flat.threshold(handout, f0, **ASKED, thickness=thickness)
-    half = flat.threshold(handout, f0, **ASKED, thickness=thickness[::2])
+    whole = snapmap.threshold(Study(handout, **HOW), f0, **ASKED, axes={"thickness": thickness})
+    half = snapmap.threshold(Study(handout, **HOW), f0, **ASKED, axes={"thickness": thickness[::2]})
     assert whole.verified.sum() > 4 and not half.verified.any()
     for each, other in ((whole.isel(thickness=slice(None, None, 2)), half), (half, whole)):
         apart = abs(each.N_first - other.N_first.sel(thickness=each.thickness[:5:2]))
         assert (apart <= each.N_error).all()
     monkeypatch.setattr(verified, "ROWS", 1)
-    xr.testing.assert_identical(flat.threshold(handout, f0, **ASKED, thickness=thickness), whole)
+    xr.testing.assert_identical(
+        snapmap.threshold(Study(handout, **HOW), f0, **ASKED, axes={"thickness": thickness}), whole
+    )

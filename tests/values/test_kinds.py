@@ -7,7 +7,7 @@ import xarray as xr
 
 import snapmap
 from snapmap.values import quantities
-from snapmap.values.kinds import Quantity, Several, Single, kind_of
+from snapmap.values.kinds import Quantity, Several, kind_of
 
 U = pint.UnitRegistry()
 KINDS = {
@@ -46,6 +46,51 @@ def test_objects_with_units_give_the_bits_of_text(name, text, others):
         assert take(other) == take(text)
 
 
+EXACT = {
+    "Stiffness": {"20 mN/m": 0.02, "3 N/m": 3.0, "2 kN/m": 2000.0, "0.5 uN/um": 0.5},
+    "Density": {"2.33 g/cm^3": 0.00233, "2330 kg/m^3": 0.00233},
+    "Mass": {"1e-8 kg": 1e4, "3 mg": 3e6, "7 µg": 7e3, "none": 0.0},
+    "Temperature": {"300 K": 26.85, "-40 degC": -40.0, "0.15 K": -273.0},
+    "Stress": {"-11 MPa": -11.0, "0.15 GPa": 150.0, "-2e3 Pa": -0.002, "3 N/m^2": 3e-6},
+    "Frequency": {"1.5 kHz": 1500.0, "30 1/s": 30.0, "2 MHz": 2e6},
+    "PulseTime": {"0.5 ms": 500.0, "2 s": 2e6, "1e3 us": 1e3},
+    "Acceleration": {"9.81 m/s^2": 9.81e-6, "1 um/us^2": 1.0},
+    "Rate": {"4e-4 /us": 4e-4, "50 /s": 5e-5},
+    "Expansion": {"-63e-6 /K": -63e-6},
+    "Share": {"12.5 %": 0.125, "0.1 %": 0.001},
+    "Damper": {"25 uN*us/um": 25.0, "0.001 kg/s": 1000.0},
+    "Contact": {"hard": np.inf, "40 N/m": 40.0},
+}
+REFUSED = {
+    "Frequency": ("1 rad/s", "1 turn/s", "0 Hz", "3 dB"),
+    "Share": ("100 %", "0 %", "0.5", "3 dB"),
+    "Temperature": ("0 K", "-273.15 degC", "70 degF"),
+    "Stiffness": ("0 N/m", "-1 N/m", "inf N/m", "3 N"),
+}
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_text_has_the_very_float_of_its_number_in_internal_units(name):
+    kind = kind_of(getattr(quantities, name))
+    for text, number in EXACT[name].items():
+        assert kind.read(text) == kind.take(text) == number
+    for text in REFUSED.get(name, ()):
+        with pytest.raises(ValueError, match=f"^'{text}' .*; write "):
+            kind.read(text)
+
+
+def test_a_list_of_a_config_ascends_and_a_value_counts_once_in_any_unit():
+    kind = Several(Quantity("a length", "um"))
+    assert kind.read(["2 um", "1 nm", "1 um"]).tolist() == [0.001, 1.0, 2.0]
+    assert kind.read({"from": "3 um", "to": "1 um", "points": 3}).tolist() == [1.0, 2.0, 3.0]
+    assert kind.take([2.0, 1.0]).tolist() == [2.0, 1.0]
+    with pytest.raises(ValueError, match=r"^1 um comes twice; write every value once$"):
+        kind.read(["1 um", "2 um", "1000 nm"])
+    for twice in ([1.0, 2.0, 1.0], ["1 um", 1.0], np.ma.array([1.0, 2.0], mask=[False, True])):
+        with pytest.raises(ValueError, match="is not a number or several, each once, above 0 in"):
+            kind.take(twice)
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_a_value_of_another_unit_is_refused_in_a_line(name):
     for wrong in (3 * U.candela, variable(3.0, "cd"), variable(3.0, "m s s"), "3 cd", "3 ", ""):
@@ -75,11 +120,11 @@ def test_rows_mix_text_and_numbers_and_single_values_are_no_rows():
     row = Several(Quantity("a length", "um")).take(["1 mm", 2.0, 3 * U.nm])
     assert row.tolist() == [1000.0, 2.0, 0.003]
     with pytest.raises(ValueError, match="is not a number"):
-        Single("a length", "um").take([1.0, 2.0])
+        Quantity("a length", "um", is_single=True).take([1.0, 2.0])
 
 
 def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
-    study = snapmap.Study(handout, model=snapmap.Cosines(modes=3), run={"horizon": "0 us"})
+    study = snapmap.Study(handout, model=snapmap.Cosines(modes=3), horizon="0 us")
     plain = snapmap.threshold(study, 1500, 25, axes={"thickness": [2.0]})
     text = snapmap.threshold(study, "1.5 kHz", "25 uN*us/um", axes={"thickness": "2000 nm"})
     assert text.identical(plain)

@@ -16,7 +16,7 @@ MOVES = {"mass": "1e-8 kg", "spring": 5.5, "contact": "hard", "gravity": "9.81 m
 RECORDS = [
     *(snapmap.Beam(**BEAM), snapmap.Device(beam=BEAM, **MOVES)),
     snapmap.Device(beam=BEAM, mass="none", gravity=9.81e-6),
-    *(snapmap.Run(horizon="0.5 ms", threads=2), snapmap.Cosines(modes=3), snapmap.Auto()),
+    *(snapmap.Elements(elements=2), snapmap.Cosines(modes=3), snapmap.Auto()),
 ]
 
 
@@ -37,8 +37,8 @@ def test_what_is_missing_twice_or_misspelt_is_a_line():
             snapmap.Beam(**BEAM, **{key[:-1]: 1.0})
     with pytest.raises(TypeError, match=r"\Aspan: comes twice; write it once\Z"):
         snapmap.Beam(600.0, **BEAM)
-    with pytest.raises(TypeError, match=r"\ARun: takes 6 arguments without a name, not 7\Z"):
-        snapmap.Run(500.0, "snap", None, 1e-3, "first", 1, 2)
+    with pytest.raises(TypeError, match=r"\AAuto: takes 2 arguments without a name, not 3\Z"):
+        snapmap.Auto(1e-3, "auto", 2)
 
 
 def test_a_fault_of_a_mapping_within_has_its_path():
@@ -62,10 +62,10 @@ def test_all_faults_of_a_record_are_told_at_once():
 def test_a_study_is_equal_by_value_and_a_copy_of_it_too(handout):
     drop = {"drop": {"height": "0.5 m", "duration": "0.5 ms", "rebound": 0.3}}
     for pulse in ("half sine", drop, {"a": "half sine", "b": drop}, sampled()):
-        study, again = (snapmap.Study(handout, pulse=pulse, run={"horizon": 0}) for _ in range(2))
+        study, again = (snapmap.Study(handout, pulse=pulse, horizon=0) for _ in range(2))
         for other in (again, pickle.loads(pickle.dumps(study)), copy.deepcopy(study)):
             assert other == study and other.shocks.pulse == study.shocks.pulse
-        assert replace(study, pulse="sawtooth") != study != replace(study, run={"horizon": 1})
+        assert replace(study, pulse="sawtooth") != study != replace(study, horizon=1)
     assert sampled() == sampled() != sampled(peak=2.0) and hash(sampled()) == hash(sampled())
 
 

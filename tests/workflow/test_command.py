@@ -7,8 +7,8 @@ import pytest
 from small_workflow import snakemake
 
 import snapmap
-from snapmap.config.doubts import descriptions, doubts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import doubts, load_config
+from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.workflow.command import main
 

@@ -10,7 +10,7 @@ from products import assert_whole
 from small_studies import SHOTS
 from small_workflow import snakemake
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
 
 CHEAP = {"name": "cosines", "modes": 3}

@@ -15,8 +15,7 @@ import yaml
 from small_studies import THREE_COSINES
 
 import snapmap
-from snapmap.config.study import load_config
-from snapmap.solver.options import Cosines
+from snapmap.applications.whole import load_config
 from snapmap.workflow.made import HEAD, LIST
 
 pytestmark = pytest.mark.long
@@ -119,8 +118,7 @@ def resumed(root, tmp_path_factory):
 
 def test_a_killed_run_loses_nothing(resumed):
     study = load_config(yaml.safe_load(STUDY))
-    run = {"horizon": 40_000.0, "until": "snap"}
-    asked = snapmap.Study(study.device, model=Cosines(modes=3), run=run)
+    asked = snapmap.Study(study.device, "3 cosines", horizon=40_000.0, until="snap")
     with xr.open_dataset(resumed.cube) as cube:
         xr.testing.assert_equal(cube, snapmap.sweep(asked, **study.axes))
     assert not list((resumed.path / "results").rglob("*.part"))

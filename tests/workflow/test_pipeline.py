@@ -18,7 +18,7 @@ from small_workflow import snakemake, wait_for
 
 import snapmap
 from snapmap.applications import attached, gather, window
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.study.provenance import hash_numbers
@@ -87,7 +87,7 @@ def finished(clone, tmp_path_factory):
 
 def test_cube_and_thresholds_are_what_python_gives(finished):
     results, device = finished[0] / "results", snapmap.load_device(finished[1])
-    study = snapmap.Study(device, model=Cosines(modes=3), run={"horizon": 200.0})
+    study = snapmap.Study(device, model=Cosines(modes=3), horizon=200.0)
     with xr.open_dataset(results / "threshold.nc") as edges:
         axes = {"f0": edges.f0, "C": edges.C, "highest": 3000.0}
         xr.testing.assert_equal(edges, snapmap.threshold(study, **axes))

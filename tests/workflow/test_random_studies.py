@@ -8,7 +8,7 @@ from products import assert_whole
 from random_studies import FILES, Drawn, random_study
 from small_workflow import snakemake
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.values.faults import Faults
 
 SEEDS = 0, 2, 3, 6, 7, 8, 12, 15, 16, 17

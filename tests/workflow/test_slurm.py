@@ -17,7 +17,7 @@ from products import assert_whole
 from small_studies import TINY
 from small_workflow import wait_for
 
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.sweeps.slabs import slab_name
 from snapmap.workflow.plan import make_plan
 

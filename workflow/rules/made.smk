@@ -1,22 +1,21 @@
 # Products that are there are held to what this run would make: what belongs to another study or code
 # is made again. Neither Snakemake's times nor its metadata outlive a copy.
 
-# By path, after those that it is made from: the hash of what a product is made from, and its inputs.
-made_from = {f"results/slabs/{name}.nc": made.hash_of(numbers, name) for name in slabs}
-sources = dict.fromkeys(made_from, ())
 makers = [maker for maker in workflow.rules if maker.name not in STUDIES]
+single = [maker for maker in makers if not maker.has_wildcards()]
+by_path = {str(path): maker for maker in single for path in maker.output}
+inputs = {path: [*map(str, maker.input)] for path, maker in by_path.items()}
 
-for maker in makers:
-    if not maker.has_wildcards():
-        files = [str(file) for file in maker.input]
-        given = maker.params.items()
-        params = {key: v(None) if callable(v) else v for key, v in given}
-        its_hash = made.hash_of(params, [made_from[file] for file in files])
-        maker.set_params(made_from=its_hash)  # the job lists its products by it
-        made_from |= dict.fromkeys(map(str, maker.output), its_hash)
-        sources |= dict.fromkeys(map(str, maker.output), files)
+# The hash of what each product is made from, by path, after those of its inputs.
+made_from = {f"results/slabs/{name}.nc": made.hash_of(numbers, name) for name in slabs}
+for path in filter(by_path.get, TopologicalSorter(inputs).static_order()):
+    given = by_path[path].params.items()
+    params = {key: v(None) if callable(v) else v for key, v in given}
+    made_from[path] = made.hash_of(params, [made_from[file] for file in inputs[path]])
+for maker in single:  # its job lists its products by it
+    maker.set_params(made_from=made_from[str(maker.output[0])])
 
-results = [path for path in sources if not path.startswith(made.SLABS)]
+results = [*inputs]
 
 
 def force_others(wildcards):
@@ -32,9 +31,8 @@ if workflow.is_main_process:
         tell(made.say_why(others, study.document()))
         for maker in makers:
             maker.set_input(force_others)
-    made.mend_times(
-        {path: files for path, files in sources.items() if path not in others}
-    )
+    right = [path for path in made_from if path not in others]
+    made.mend_times({path: inputs.get(path, ()) for path in right})
     atexit.register(finish, os.getcwd())
 
 # The cells of each slab that is not there or is made again, by its name.

@@ -10,7 +10,7 @@ from functools import partial
 from tempfile import TemporaryDirectory
 
 from snapmap.applications import attached, observers
-from snapmap.config.study import planned_study
+from snapmap.applications.whole import planned_study
 from snapmap.study.axes import NAMES
 from snapmap.study.provenance import hash_numbers
 from snapmap.workflow.job_log import run_rule

@@ -2,12 +2,13 @@
 
 import math
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import drawn
 
+import snapmap
+from snapmap import Study
 from snapmap.applications.calibration import figure
 from snapmap.applications.calibration.dataset import fit, summary
 from snapmap.applications.calibration.likelihood import Profile, reach
@@ -15,7 +16,7 @@ from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.applications.calibration.surface import Surface
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SHOTS = {"N": [850.0, 900.0, 940.0, 960.0, 1000.0, 1100.0], "duration": [1000.0] * 6}
 SHOTS["tripped"] = [0, 0, 0, 1, 1, 1]
 
@@ -99,9 +100,11 @@ def test_residuals_are_those_of_the_fitted_probability():
 
 
 def test_the_thickness_is_read_off_shots_of_the_solver_itself(handout):
-    fitted = flat.calibrate(handout, SHOTS, {"thickness": (1.8, 2.2)}, **CHEAP, C=25.0)
+    fitted = snapmap.calibrate(Study(handout, **CHEAP), SHOTS, {"thickness": (1.8, 2.2)}, C=25.0)
     thickness = [1.9, 2.0]
-    N = flat.threshold(handout, [1000.0], [25.0], thickness=thickness, **CHEAP).N_first
+    N = snapmap.threshold(
+        Study(handout, **CHEAP), [1000.0], [25.0], axes={"thickness": thickness}
+    ).N_first
     expected = np.interp(950.0, N.values.ravel(), thickness)
     assert fitted.estimate.item() == pytest.approx(expected, abs=0.005)
     assert fitted.low < fitted.estimate < fitted.high and fitted.model_error < 2e-3

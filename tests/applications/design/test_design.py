@@ -1,13 +1,14 @@
 """The value of a device that puts its threshold where it is wanted."""
 
-import flat
 import numpy as np
 import pytest
 
+import snapmap
+from snapmap import Study
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import take_shock
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
 VALUES = {"thickness": (1300, 2.0, 2.4, 0.1), "C": (1000, 10.0, 400.0, 10.0)}
 
@@ -18,9 +19,9 @@ def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, va
     N, low, high, step = VALUES[value]
     damper = {} if value == "C" else {"C": 25.0}
     goal = {"N": N, "f0": 1000.0, "between": (low, high)}
-    designed = flat.design(handout, value, **goal, **damper, **CHEAP)
+    designed = snapmap.design(Study(handout, **CHEAP), value, **goal, **damper)
     around = {"C": [25.0], value: designed.value + step * np.array([-1, 0, 1])}
-    near = flat.threshold(handout, [1000.0], **around, **CHEAP).squeeze()
+    near = snapmap.threshold(Study(handout, **CHEAP), [1000.0], **around).squeeze()
     assert near.N_first[1].item() == pytest.approx(N, rel=2e-4)
     slope = (near.N_first[2] - near.N_first[0]).item() / (2 * step)
     assert designed.error == pytest.approx(near.N_error[1].item() / slope, rel=0.5)
@@ -29,9 +30,9 @@ def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, va
 
 def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(handout, monkeypatch):
     with pytest.raises(ValueError, match=r"^C: is the value that design searches; leave it out$"):
-        flat.design(handout, "C", N=1000, between=(10.0, 400.0), **SHOCK, **CHEAP)
+        snapmap.design(Study(handout, **CHEAP), "C", N=1000, between=(10.0, 400.0), **SHOCK)
     with pytest.raises(ValueError, match=r"no value from 1.9 to 2.1 um gives .* the threshold is"):
-        flat.design(handout, "thickness", N=9000, between=(1.9, 2.1), **SHOCK, **CHEAP)
+        snapmap.design(Study(handout, **CHEAP), "thickness", N=9000, between=(1.9, 2.1), **SHOCK)
 
     def parabola(which, values, *_):
         N_first = 1000 + (values - 1.3) * (values - 2.2)
@@ -40,7 +41,7 @@ def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(hando
     finder = "snapmap.applications.design.design._threshold_finder"
     monkeypatch.setattr(finder, lambda *_: parabola)
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
-        designed = flat.design(handout, "thickness", N=1000, between=(1.0, 3.0), **SHOCK)
+        designed = snapmap.design(handout, "thickness", N=1000, between=(1.0, 3.0), **SHOCK)
     assert designed.value == pytest.approx(1.3, abs=1e-5)
 
 
@@ -48,10 +49,10 @@ def require(name, N, snaps):
     return {"name": name, "N": N, "snaps": snaps, "f0": 1500.0, "pulse": "versed sine"}
 
 
-THICKNESS = {"between": (1.8, 2.5), "C": 25.0} | CHEAP
+THICKNESS = {"between": (1.8, 2.5), "C": 25.0}
 WINDOWS = {
     "thickness": (1100.0, 1300.0, THICKNESS),
-    "C": (1010.0, 1060.0, {"between": (5.0, 400.0)} | CHEAP),
+    "C": (1010.0, 1060.0, {"between": (5.0, 400.0)}),
 }
 
 
@@ -59,9 +60,9 @@ WINDOWS = {
 def test_all_requirements_are_met_in_a_window_between_the_values_for_each(handout, value):
     stays, trips, asked = WINDOWS[value]
     needs = [require("trip", trips, True), require("stay", stays, False)]
-    window = flat.design(handout, value, requirements=needs, **asked)
+    window = snapmap.design(Study(handout, **CHEAP), value, requirements=needs, **asked)
     for end, N in (("low", stays), ("high", trips)):
-        alone = flat.design(handout, value, N=N, f0=1500.0, **asked)
+        alone = snapmap.design(Study(handout, **CHEAP), value, N=N, f0=1500.0, **asked)
         error = alone.error + window[f"{end}_error"].item()
         assert abs(window[end].item() - alone.value) <= error
     assert (window.low_from.item(), window.high_from.item()) == ("stay", "trip")
@@ -69,16 +70,18 @@ def test_all_requirements_are_met_in_a_window_between_the_values_for_each(handou
 
 def test_what_must_arrive_has_the_window_of_what_must_trip(handout):
     asked = {"requirements": [require("trip", 1100.0, True)], **THICKNESS}
-    trip = flat.design(handout, "thickness", **asked)
+    trip = snapmap.design(Study(handout, **CHEAP), "thickness", **asked)
     asked["requirements"] = [require("trip", 1100.0, "arrives")]
-    assert flat.design(handout, "thickness", **asked).equals(trip)
+    assert snapmap.design(Study(handout, **CHEAP), "thickness", **asked).equals(trip)
 
 
 def test_a_contradiction_says_where_each_requirement_is_met(handout):
     needs = [require("trip", 1100.0, True), require("stay", 1300.0, False)]
     needs.append(require("never", 9e5, False))
     with pytest.warns(UserWarning) as warned:
-        window = flat.design(handout, "thickness", requirements=needs, **THICKNESS)
+        window = snapmap.design(
+            Study(handout, **CHEAP), "thickness", requirements=needs, **THICKNESS
+        )
     assert window.sizes["window"] == 0
     trip, stay = (window.tried.values[row] for row in window.met.values[:2].astype(bool))
     assert str(warned[0].message) == (
@@ -106,7 +109,9 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
     ):
         needs = [asked | more]
         with pytest.raises(ValueError, match=f"requirements: drop: {fault}"):
-            flat.design(handout, "thickness", requirements=needs, **study, **THICKNESS)
+            snapmap.design(
+                Study(handout, **study, **CHEAP), "thickness", requirements=needs, **THICKNESS
+            )
 
 
 WRONG = {"pusle": "half sine", "pulse": "haf sine", "direction": "up", "survives": 2}
@@ -116,4 +121,4 @@ WRONG = {"pusle": "half sine", "pulse": "haf sine", "direction": "up", "survives
 def test_a_wrong_key_or_value_of_a_requirement_is_named(handout, key):
     needs = [require("trip", 1100.0, True), require("stay", 1300.0, False) | {key: WRONG[key]}]
     with pytest.raises(ValueError, match=rf"^requirements\[1\]\.{key}: "):
-        flat.design(handout, "thickness", requirements=needs, **THICKNESS)
+        snapmap.design(Study(handout, **CHEAP), "thickness", requirements=needs, **THICKNESS)

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from math import fsum, log, pi, sqrt
 
-import flat
 import numpy as np
 import pytest
 import yaml
@@ -16,8 +15,7 @@ import snapmap
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
-from snapmap.config.study import load_config
-from snapmap.solver.settings import Run
+from snapmap.applications.whole import load_config
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 from snapmap.values.faults import Faults
@@ -103,7 +101,7 @@ def integrated(device, N, f0, C):
 @pytest.mark.equation(2, 4)
 @pytest.mark.parametrize(("N", "f0"), CELLS)
 def test_closures_are_those_of_the_handouts_equations(device, N, f0):
-    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
+    study = Study(device, model=MODEL, horizon=HORIZON)
     seen, expected = observed_of(study, N, f0, 25.0)[1], integrated(device, N, f0 * 1e-6, 25.0)
     for key in ("t_closed", "closed_for", "openings"):
         assert abs(seen[key] - getattr(expected, key)) <= seen[f"{key}_error"], key
@@ -114,12 +112,15 @@ def test_closures_are_those_of_the_handouts_equations(device, N, f0):
 
 
 def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
-    asked = {"f0": [1500.0], "C": [25.0], "model": MODEL, "horizon": HORIZON}
-    study = Study(device, model=MODEL, run=Run(horizon=HORIZON))
+    how = {"model": MODEL, "horizon": HORIZON}
+    asked = {"f0": [1500.0], "C": [25.0]}
+    study = Study(device, model=MODEL, horizon=HORIZON)
     bare = replace(device, contact_at=-np.inf)
-    cube, other = (flat.sweep(each, [700, 1000, 1100], **asked) for each in (device, bare))
-    alone = flat.sweep(device, [1000], **asked)
-    run = flat.simulate(device, 1000, 1500, 25, model=MODEL, horizon=HORIZON)
+    cube, other = (
+        snapmap.sweep(Study(each, **how), [700, 1000, 1100], **asked) for each in (device, bare)
+    )
+    alone = snapmap.sweep(Study(device, **how), [1000], **asked)
+    run = snapmap.simulate(Study(device, MODEL, horizon=HORIZON), 1000, 1500, 25)
     for key in CLOSING:
         assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
     assert {*cube} - {*other} == {*CLOSING}

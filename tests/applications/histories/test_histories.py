@@ -1,12 +1,12 @@
 """The work of the pulse: what it is, and by how much it differs with another step."""
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import ATTRIBUTES
 from varied import in_steps, varied
 
+import snapmap
 from snapmap.applications.histories import figure
 from snapmap.applications.histories.history import SAFETY, extremes_of
 from snapmap.figures import style
@@ -48,14 +48,16 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
 def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
-    short, long = (flat.simulate(device, *shot, model, horizon=end) for end in (200.0, 1500.0))
-    study = Study(device, model=model, run=Run(horizon=1500.0))
+    short, long = (
+        snapmap.simulate(Study(device, model, horizon=end), *shot) for end in (200.0, 1500.0)
+    )
+    study = Study(device, model=model, horizon=1500.0)
     extremes = extremes_of(study, *shot)._asdict()
     assert extremes == {key: long[key].item() for key in extremes}
     assert all(short[key] <= long[key] for key in extremes)
     assert short.stress_max_to_snap == long.stress_max_to_snap
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
-    run = flat.simulate(device, *shot, model, horizon=200.0)
+    run = snapmap.simulate(Study(device, model, horizon=200.0), *shot)
     at_rest = run.interp(time=0)
     assert at_rest.w_mid == at_rest.z_mass == device.beam.rise
     assert at_rest.contact_force == at_rest.pulse_work == at_rest.acceleration == 0
@@ -78,10 +80,10 @@ ENERGETIC.append(pytest.param(REFERENCE, 700.0, marks=pytest.mark.long))
 def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, asked, N):
     device, asked = varied(handout, damping=1e-3), asked | {"horizon": 100.0}
     fix_step(0.3)
-    run = flat.simulate(device, N, 2e3, 25.0, **asked)
+    run = snapmap.simulate(Study(device, **asked), N, 2e3, 25.0)
     gained, work = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES), run.pulse_work[-1].item()
     assert work == pytest.approx(gained.item(), rel=2e-3)
-    cube = flat.sweep(device, [N], [2e3], [25.0], **asked)
+    cube = snapmap.sweep(Study(device, **asked), [N], [2e3], [25.0])
     if asked["model"] == "reference" and N > 1000:
         assert np.isnan(cube.pulse_work)  # its run ends at the snap, within the pulse
     else:
@@ -111,7 +113,7 @@ def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, as
     """To the curvature of w between two samples; the longer steps of a sweep snap at another."""
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)
     device = varied(handout, stop_away=30.0, damping=4e-3) if asked != REFERENCE else handout
-    run = flat.simulate(device, N, f0, C, **asked)
+    run = snapmap.simulate(Study(device, **asked), N, f0, C)
     assert run.outcome == OUTCOMES.index(outcome)
     back = run.get("first_equilibrium")
     w, target = (
@@ -140,7 +142,7 @@ def test_errors_cover_nine_of_ten_runs_in_a_quarter_of_the_step():
 
 def test_a_cube_says_by_how_much_another_step_differs(handout):
     axes = [0.0, 700.0, 1400.0], [1500.0, 6e3], [25.0]
-    cube = flat.sweep(handout, *axes, **CHEAP, horizon=300.0)
+    cube = snapmap.sweep(Study(handout, horizon=300.0, **CHEAP), *axes)
     model = build_model(handout, Cosines(modes=3))
     f0, N = (values.ravel() for values in np.meshgrid(cube.f0, cube.N, indexing="ij"))
     cells, struck = to_cells(handout, 0, N, f0, 25.0, 300.0), N > 0

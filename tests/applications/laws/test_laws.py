@@ -1,10 +1,10 @@
 """The three laws beside thresholds, and their figure."""
 
-import flat
 import numpy as np
 import pytest
 from small_results import visible
 
+import snapmap
 from snapmap.applications.laws.figure import draw_laws
 from snapmap.applications.laws.laws import laws_of, saddle_rates, summary
 from snapmap.beam.cosines import symmetric_cosines
@@ -17,7 +17,7 @@ AXES = {"C": [25.0], "f0": [50.0, 2e4]}
 @pytest.fixture(scope="module")
 def laws(handout):
     study = Study(device=handout, model={"name": "cosines", "modes": 5})
-    thresholds = flat.threshold(handout, **AXES, model="cosines", modes=5)
+    thresholds = snapmap.threshold(Study(handout, "5 cosines"), **AXES)
     return laws_of(study, study.set_out(AXES), thresholds)
 
 

@@ -13,7 +13,7 @@ from small_results import SETTINGS, make_cells, make_verdict, swept
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, _opening, page
 from snapmap.applications.requirements.verdict import write_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.figures.states import ABSENT, ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run
@@ -547,7 +547,7 @@ def test_where_f0_has_one_value_the_longest_other_takes_its_place(show, handout)
 
 def test_a_sweep_to_the_snap_shows_where_it_snaps(show, handout):
     """Nothing is known of what follows, and nothing said."""
-    run = Run(SETTINGS.horizon, until="snap")
+    run = Run(horizon=SETTINGS.horizon, until="snap")
     view = show(cube := swept(handout, C=[25.0], run=run))
     assert "well" not in cube
     assert view.shows(cube.isel(C=0), states=lambda cells: cells.t_snap.notnull().astype(int))

@@ -158,6 +158,6 @@ def test_steps_are_those_of_a_history_and_none_where_no_device_exists(handout):
     assert steps.shape == (2, 1, 1, 2) and np.isnan(steps[1]).all()
     settings = Run(horizon=0.0, start=SECOND)
     for N, step in zip(axes["N"], steps[0].ravel(), strict=True):
-        run = replace(study, model=Cosines(modes=forms.COSINES), run=settings)
+        run = replace(study, model=Cosines(modes=forms.COSINES), **vars(settings))
         assert simulate(run, N, 6000.0, 50.0).time_step == step
     assert steps[0, ..., 1] < 0.9 * steps[0, ..., 0]

@@ -2,23 +2,22 @@
 
 import re
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from small_studies import THREE_COSINES
 from varied import varied
 
+import snapmap
 from snapmap.applications.histories.near import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import application, shocks_of
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.verdict import read_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.adaptive import choose_model
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Run
 from snapmap.study.axes import rows_of
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
@@ -33,7 +32,7 @@ def stiff(handout, damping):
     """A beam of rise 2.43 thicknesses, whose way back is short, as a study by three cosines."""
     device = varied(handout, thickness=3.0, rise=7.3, damping=damping)
     model = {"name": "cosines", "modes": 3}
-    return Study(device, model=model, run=Run(horizon=HORIZON))
+    return Study(device, model=model, horizon=HORIZON)
 
 
 def judged(study, *levels, f0=F0, snaps=True):
@@ -47,8 +46,9 @@ def test_a_beam_that_must_trip_must_stay(handout, damping):
     """The ends are those of a sweep over the same N, in both of its steps."""
     study, N = stiff(handout, damping), 2320.0
     (verdict,) = judged(study, N)
-    near = {"f0": [F0], "C": [C], "pulse": "half sine", "horizon": HORIZON}
-    cube = flat.sweep(study.device, N * NEAR, model=study.model, **near).squeeze()
+    how = {"pulse": "half sine", "horizon": HORIZON}
+    near = {"f0": [F0], "C": [C]}
+    cube = snapmap.sweep(Study(study.device, study.model, **how), N * NEAR, **near).squeeze()
     assert cube.t_snap.notnull().all() and verdict.N_first < 0.55 * N
     stay = (cube.well == 2).values
     again = np.where(cube.well_reproduced == 1, stay, ~stay)
@@ -88,8 +88,8 @@ BEAM |= {"mass": 7.456e3, "spring": 1.5, "contact": np.inf, "gap": 2.0, "damping
 def test_a_beam_that_stays_in_an_independent_code_is_said_to_stay(handout):
     """It stays there at all 21 N, by 12 and 18 cosines; in long steps and by three it returns."""
     device, f0, C = varied(handout, **BEAM), 1e6 / 300, 21.0
-    study, levels = Study(device, pulse="half sine", run=Run(horizon=4000.0)), 3300.0 * NEAR
-    cube = flat.sweep(device, levels, [f0], [C], pulse="half sine", horizon=4000.0)
+    study, levels = Study(device, pulse="half sine", horizon=4000.0), 3300.0 * NEAR
+    cube = snapmap.sweep(study, levels, [f0], [C])
     assert (cube.well == 2).all() and cube.well_reproduced.mean() > 0.9
     shock = {"name": "trips", "N": 3300.0, "f0": f0, "snaps": True}
     shock["shocks"] = make_shocks("half sine")

@@ -3,19 +3,19 @@
 import itertools
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn, make_verdict
 
+import snapmap
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.requirements.figure import draw_margins
 from snapmap.applications.requirements.summary import summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
@@ -24,7 +24,7 @@ from snapmap.study.study import Study
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
     record = replace(make_pulse("half sine"), peak=100 * handout.gravity)  # of a record of 100 g
-    threshold = flat.threshold(handout, [2000.0], [25.0], pulse=record, horizon=300.0)
+    threshold = snapmap.threshold(Study(handout, pulse=record, horizon=300.0), [2000.0], [25.0])
     first, error = threshold.N_first.item(), threshold.N_error.item()
     assert threshold.scale_first.item() == pytest.approx(first / 100)
     amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
@@ -35,7 +35,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
         for name, N in amounts.items()
         for must in (True, False)
     ]
-    verdicts = check(Study(handout, run=study.run), asked, [25.0])
+    verdicts = check(Study(handout, **vars(study.run)), asked, [25.0])
     expected = ["failed", "met", *["unclear"] * 4, "met", "failed"]
     assert [verdict.verdict for verdict in verdicts] == expected
     for verdict, N in zip(verdicts, np.repeat([*amounts.values()], 2), strict=True):
@@ -53,7 +53,7 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
-    row = flat.threshold(handout, [4000.0], [0.025], study.model, horizon=300.0).squeeze()
+    row = snapmap.threshold(Study(handout, study.model, horizon=300.0), [4000.0], [0.025]).squeeze()
     gap, bar = (row.N_always - row.N_first).item(), row.N_error.item()
     assert row.ragged and gap > 0
     ragged = {"N": (row.N_first + bar + gap / 2).item(), "f0": 4000.0, "shocks": study.shocks}
@@ -65,8 +65,11 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     """The verdict is the worst one; a shock that may trip or not has none of the trip."""
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
     shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
-    asked = {"temperature": degrees, "horizon": 300.0, "model": study.model, **shapes}
-    thresholds = flat.threshold(device, [2000.0], [25.0], **asked).N_first.squeeze(["C", "f0"])
+    how = {"model": study.model, "horizon": 300.0, **shapes}
+    asked = {"axes": {"temperature": degrees}}
+    thresholds = snapmap.threshold(Study(device, **how), [2000.0], [25.0], **asked).N_first.squeeze(
+        ["C", "f0"]
+    )
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
     shocks = make_shocks(*shapes.values())
     required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)

@@ -3,11 +3,12 @@
 import math
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 from scipy.signal import lsim
 
+import snapmap
+from snapmap import Study
 from snapmap.applications.spectra import trips as spectra_trips
 from snapmap.applications.spectra.psd import Density, Spectrum
 from snapmap.applications.spectra.required import RequiredSpectrum
@@ -22,7 +23,6 @@ from snapmap.applications.spectra.srs import (
 )
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.vibration import _level, fit_rates
-from snapmap.solver.settings import Run
 from snapmap.values.kinds import kind_of
 
 CRASH = [(100.0, 100.0), (1000.0, 1500.0), (4000.0, 1500.0)]
@@ -83,7 +83,7 @@ def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
 
 def test_the_deviation_of_a_record_keeps_its_sign(handout):
     levels, cheap = [(500.0, 200.0), (5000.0, 200.0)], {"model": "cosines", "horizon": 0.0}
-    trips = flat.srs_test(handout, levels, [25.0], records=6, **cheap)
+    trips = snapmap.srs_test(Study(handout, **cheap), levels, [25.0], records=6)
     drawn = [record(check_points(levels), [1, number]).deviation for number in range(6)]
     for dB, deviation in zip(trips.deviation.values, drawn, strict=True):
         assert dB in (deviation.min(), deviation.max()) and abs(dB) == abs(deviation).max()
@@ -101,8 +101,8 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(
     handout, study, monkeypatch
 ):
     monkeypatch.setattr(spectra_trips, "RECORDS", 2)
-    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, run=Run(0.0))
-    trips = flat.srs_test(handout, levels, [25.0], records=2, horizon=0.0, model=study.model)
+    levels, study = [(400.0, 700.0), (4000.0, 1500.0)], replace(study, horizon=0.0)
+    trips = snapmap.srs_test(Study(handout, study.model, horizon=0.0), levels, [25.0], records=2)
     snaps = trips.snaps.values[0].sum(axis=0)
     first, last = np.argmax(snaps > 0), len(snaps) - 1 - np.argmax(snaps[::-1] < 2)
     asked = [
@@ -224,9 +224,10 @@ def test_a_rate_that_obeys_the_law_is_found_with_its_bounds():
 
 
 def test_vibration_tells_rate_bounds_and_level(handout):
-    asked = {"C": [25.0, 200.0], "records": 4, "model": "cosines", "cosines": 3, "reach": 0.5}
+    how = {"model": {"name": "cosines", "cosines": 3}}
+    asked = {"C": [25.0, 200.0], "records": 4, "reach": 0.5}
     high, again, calm = (
-        flat.vibration(handout, [(20.0, density), (2000.0, density)], 0.2, **asked)
+        snapmap.vibration(Study(handout, **how), [(20.0, density), (2000.0, density)], 0.2, **asked)
         for density in (9.0, 9.0, 0.09)
     )
     assert high.rms == pytest.approx(math.sqrt(9 * 1980)) and high.record_length == 0.2

@@ -89,7 +89,7 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     static = static_threshold(device, back=start == "second")
     rows, reach = to_rows(0, f0, C, 0, make_shocks("versed sine", direction).pulses), (0.8, 1.2)
     model, reach = build_model(device, Cosines(modes=3)), tuple(static * np.array(reach))
-    probe = Probe(model, rows, Run(0.0, start=start))
+    probe = Probe(model, rows, Run(horizon=0.0, start=start))
     return lowest_snap(probe, reach, 1e-4).item() / static
 
 

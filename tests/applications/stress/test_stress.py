@@ -3,13 +3,13 @@
 import json
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
 from small_results import AXES, SETTINGS, swept
 from varied import varied
 
+import snapmap
 from snapmap.applications.stress.stress import stress_of_cube
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
@@ -26,7 +26,7 @@ def brittle(handout):
 
 def stress_of(device, cube, settings=SETTINGS):
     model = json.loads(cube.attrs["config"])["model"]
-    return stress_of_cube(Study(device, model=model, run=settings), cube)
+    return stress_of_cube(Study(device, model=model, **vars(settings)), cube)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_the_largest_stress_is_that_of_the_history(brittle, cube, stress, monkey
     """To a swing beyond the proof."""
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**6)
     shock, model = {"N": N, "f0": 1000.0, "C": C}, Cosines(modes=3)
-    run = flat.simulate(brittle, **shock, model=model, horizon=SETTINGS.horizon)
+    run = snapmap.simulate(Study(brittle, model, horizon=SETTINGS.horizon), **shock)
     dt = build_model(brittle, model).steps.of(to_cells(brittle, 0, *shock.values(), 0.0), MOVE)
     window = cube.t_settled.sel(shock).item() + 2 * np.pi / brittle.own_frequency
     window = run.time.values[-1] if np.isnan(window) else window

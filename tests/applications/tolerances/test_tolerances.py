@@ -3,7 +3,6 @@
 import itertools
 from dataclasses import replace
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,6 +13,8 @@ from small_results import artists, drawn
 from small_studies import TINY
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
@@ -24,7 +25,7 @@ from snapmap.applications.tolerances.statistics import (
     quantile_bounds,
     quantiles,
 )
-from snapmap.config.study import load_config
+from snapmap.applications.whole import load_config
 from snapmap.device.samples import CUT, Plan, Tolerances
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
@@ -33,7 +34,7 @@ from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
 SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
 
@@ -103,13 +104,15 @@ def test_bounds_of_a_quantile_are_order_statistics():
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
     f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
-    made = flat.tolerance(handout, scatters, f0, C, samples=100, seed=2, threads=2, **CHEAP)
+    made = snapmap.tolerance(
+        Study(handout, threads=2, **CHEAP), scatters, f0, C, samples=100, seed=2
+    )
     assert made.N_first.notnull().all() and (made.bistable == 1).all()
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
         values = {key: sample[key].item() for key in ("thickness", "youngs_modulus")}
         stretched = np.array(f0) / sample.duration_factor.item()
-        alone = flat.threshold(varied(handout, **values), stretched, C, **CHEAP)
+        alone = snapmap.threshold(Study(varied(handout, **values), **CHEAP), stretched, C)
         off = abs(sample.N_first.values * sample.N_factor.item() / alone.N_first.values - 1)
         # Clean rows may hide an island as narrow as their bars.
         known = np.fmax(1.2e-3, (alone.N_error / alone.N_first).values)
@@ -119,8 +122,8 @@ def test_thresholds_are_those_of_the_devices_one_by_one(handout):
 
 def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     f0, C = [300.0, 1000.0, 2000.0, 5000.0, 12000.0], [25.0]
-    made = flat.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
-    best = flat.threshold(handout, f0, C, model="cosines", modes=11)
+    made = snapmap.tolerance(handout, {"thickness": "1 %"}, f0, C, samples=2)
+    best = snapmap.threshold(Study(handout, "11 cosines"), f0, C)
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
@@ -136,12 +139,13 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
         dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %"),
         ([1500], [0.025]),
     )
-    how = {"samples": 1024, "tolerance": 1e-4, "threads": 2}
-    made = flat.tolerance(handout, scatters, *shock, **how, **CHEAP)
+    how = {"samples": 1024, "threshold_tolerance": 1e-4}
+    made = snapmap.tolerance(Study(handout, threads=2, **CHEAP), scatters, *shock, **how)
     linear, percent = [], np.array([0.99, 1.01])
     for key in scatters:
-        ends = {key: percent * getattr(handout.beam, key)}
-        N = flat.threshold(handout, *shock, tolerance=1e-6, **ends, **CHEAP).N_first.squeeze()
+        axes = {key: percent * getattr(handout.beam, key)}
+        asked = Study(handout, **CHEAP)
+        N = snapmap.threshold(asked, *shock, tolerance=1e-6, axes=axes).N_first.squeeze()
         linear.append(0.01 * (np.diff(np.log(N)) / np.diff(np.log(percent))).item())
     spread = np.linalg.norm(linear)
     assert (made.N_std / made.N_nominal).item() == pytest.approx(spread, rel=0.02)
@@ -157,10 +161,13 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 def scattered(handout):
     """Devices of which some have no second shape, and a shock that about half of them withstand."""
     drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True}
-    how = {"samples": 128, "requirements": [drop]} | CHEAP
+    how_study = CHEAP
+    how = {"samples": 128, "requirements": [drop]}
     scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
     f0 = [800.0, 1500.0, 3000.0]
-    return flat.tolerance(varied(handout, rise=5.0), scatters, f0, [25.0], **how).isel(C=0)
+    return snapmap.tolerance(
+        Study(varied(handout, rise=5.0), **how_study), scatters, f0, [25.0], **how
+    ).isel(C=0)
 
 
 def test_samples_without_a_second_shape_count_and_never_snap(scattered):
@@ -174,7 +181,9 @@ def test_samples_without_a_second_shape_count_and_never_snap(scattered):
 
 @pytest.mark.usefixtures("paper")
 def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
-    made = flat.tolerance(handout, {"thickness": 1e-15}, [1500.0], [25.0], samples=4, **CHEAP)
+    made = snapmap.tolerance(
+        Study(handout, **CHEAP), {"thickness": 1e-15}, [1500.0], [25.0], samples=4
+    )
     assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
     ax = drawn(figure.draw_probability, made.isel(C=0))
     assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]
@@ -186,7 +195,7 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
         {"name": "rests", "pulse": "half sine", "N": 850.0, "f0": 1000.0, "snaps": False},
     ]
     brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
-    made = flat.tolerance(brittle, {"thickness": "5 %"}, [1500.0], [25.0], **how, **CHEAP)
+    made = snapmap.tolerance(Study(brittle, **CHEAP), {"thickness": "5 %"}, [1500.0], [25.0], **how)
     made = made.squeeze("C")
     first, rests = made.N_first_required.values
     trips, quiet = first <= 1000 * 1.001, ~(rests <= 850)  # each the upper end of its step
@@ -200,9 +209,9 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     np.testing.assert_allclose(made.share_breaking, (~whole).mean(axis=1))
     assert 0 < made.share_breaking.values[0] < 1
     alone = varied(handout, thickness=made.thickness[0].item())
-    run = flat.simulate(alone, 1000, 2000, 25, pulse="half sine", **CHEAP)
+    run = snapmap.simulate(Study(alone, pulse="half sine", **CHEAP), 1000, 2000, 25)
     assert run.stress_max == pytest.approx(made.stress_max.values[0, 0], rel=0.05)
-    kept = flat.threshold(handout, [2000.0], [25.0], pulse="half sine", **CHEAP)
+    kept = snapmap.threshold(Study(handout, pulse="half sine", **CHEAP), [2000.0], [25.0])
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
@@ -213,13 +222,19 @@ def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
     musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
     asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
-    how, rows = {"model": "cosines", "modes": 3, "horizon": 4000.0}, ([2000.0], [25.0])
-    made = flat.tolerance(
-        light, {"thickness": {"uniform": "1 %"}}, *rows, samples=32, requirements=asked, **how
+    how, rows = {"model": "3 cosines", "horizon": 4000.0}, ([2000.0], [25.0])
+    made = snapmap.tolerance(
+        Study(light, **how),
+        {"thickness": {"uniform": "1 %"}},
+        *rows,
+        samples=32,
+        requirements=asked,
     )
     ends = []
     for value in made.thickness.values:
-        cell = flat.sweep(varied(light, thickness=value), [5600.0], *rows, pulse="half sine", **how)
+        cell = snapmap.sweep(
+            Study(varied(light, thickness=value), pulse="half sine", **how), [5600.0], *rows
+        )
         stays = cell.well.item() == 2
         ends += [stays, stays == bool(cell.well_reproduced.item())]
     stay = np.mean(ends)

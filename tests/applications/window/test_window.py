@@ -4,7 +4,6 @@ import re
 from dataclasses import replace
 from functools import partial
 
-import flat
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,6 +12,8 @@ from matplotlib.contour import ContourSet
 from small_results import artists
 from varied import varied
 
+import snapmap
+from snapmap import Study
 from snapmap.applications.histories.history import extremes_of
 from snapmap.applications.window import figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
@@ -22,7 +23,7 @@ from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
 
-CHEAP = {"model": "cosines", "modes": 3, "horizon": 300.0}
+CHEAP = {"model": "3 cosines", "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
 SCATTERS = {"thickness": 0.05, "N": "2 %"}
 ASKED = [
@@ -45,7 +46,7 @@ def met(strong):
 
 def test_a_window_ends_where_a_design_does(handout, met):
     asked = {"C": 25.0, "between": (1.9, 2.4), "requirements": ASKED}
-    design = flat.design(handout, "thickness", **asked, **CHEAP)
+    design = snapmap.design(Study(handout, **CHEAP), "thickness", **asked)
     for name, end in (("stay", design.low), ("trip", design.high)):
         along = met.reserve.sel(C=25.0, requirement=name)
         along = along.sortby(along)
@@ -59,7 +60,7 @@ def test_a_window_ends_where_a_design_does(handout, met):
 def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
     device = varied(handout, thickness=2.1)
     asked = {"requirements": ASKED, "samples": 32, "index_samples": 2}
-    made = flat.tolerance(device, SCATTERS, [1500.0], AXES["C"], **asked, **CHEAP)
+    made = snapmap.tolerance(Study(device, **CHEAP), SCATTERS, [1500.0], AXES["C"], **asked)
     here = met.sel(thickness=2.1, method="nearest")
     for key in ("yield", "yield_bound"):
         np.testing.assert_array_equal(here[key], made[key])

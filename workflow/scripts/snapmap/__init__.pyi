@@ -16,7 +16,6 @@ from .solver.options import Auto as Auto
 from .solver.options import Cosines as Cosines
 from .solver.options import Elements as Elements
 from .solver.options import Reference as Reference
-from .solver.settings import Run as Run
 from .study.study import Study as Study
 from .study.variables import words as words
 from .sweeps.collect import open_cube as open_cube

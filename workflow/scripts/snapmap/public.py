@@ -16,11 +16,11 @@ from .device.device import VALUES, batch
 from .device.samples import Plan
 from .files.counting import counting
 from .solver.options import MODELS
-from .solver.settings import FIRST, Run
-from .study.provenance import unit_of_C
+from .solver.settings import FIRST
+from .study.axes import frequencies
 from .study.study import Study
 from .values import calls
-from .values.damper import damper_in
+from .values.units import OF_DAMPER
 
 ELSEWHERE = {
     **{key: f"; write it as axes={{'{key}': ...}}" for key in VALUES},
@@ -30,7 +30,6 @@ ELSEWHERE = {
         for field in fields(made)
         if field.name != "name"
     },
-    **{f.name: f"; write Study(device, run={{'{f.name}': ...}})" for f in fields(Run)},
     **{f.name: f"; write Study(device, {f.name}=...)" for f in fields(Study)},
 }
 """Where a value belongs that a function does not take, by its name."""
@@ -40,7 +39,7 @@ def checked(function: Callable) -> Callable:
     """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(_at_home(function), ELSEWHERE, _prepare, _with_its_damper)
+    call = calls.checked(_at_home(function), ELSEWHERE, _prepare, _unit_of_C)
     call.__module__ = __package__  # by which it is pickled
     return call
 
@@ -70,14 +69,10 @@ def _with_observers(sweep):
     return observed
 
 
-def _with_its_damper(values):
-    """Let C count in the unit of the study, or of the dataset, of a call."""
-    for value in values.values():
-        if isinstance(value, Study):
-            return damper_in(value.unit_of_C)
-        if "config" in (getattr(value, "attrs", None) or ()):
-            return damper_in(unit_of_C(value.attrs))
-    return nullcontext()
+def _unit_of_C(values):
+    """Give the unit in which the study of a call counts C."""
+    study = values.get("study")
+    return study.unit_of_C if isinstance(study, Study) else OF_DAMPER
 
 
 @contextmanager
@@ -96,9 +91,11 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
 def _doubts(study, values):
     """Give lines on values that are hardly meant."""
     N = values.get("N")
-    yield from unusual_runs(horizon=study.run.horizon, **({} if N is None else {"N": N}))
-    yield from study.shocks.doubts(is_pressed=study.run.start == FIRST)
-    C, f0 = (values.get(key) for key in ("C", "f0"))
+    yield from unusual_runs(horizon=study.horizon, **({} if N is None else {"N": N}))
+    yield from study.shocks.doubts(is_pressed=study.start == FIRST)
+    C, f0 = values.get("C"), None
+    if "f0" in values:
+        f0 = frequencies(values["f0"], values.get("duration"))
     for single in study.devices().values():
         alone = batch([single])
         if C is None or f0 is None:

@@ -7,17 +7,14 @@ from os import PathLike
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..beam.modal import natural_frequency
 from ..device.curved_beam import BEAM_VALUES, COSINES
 from ..device.device import OF_MASS, Beam, Device
 from ..values.faults import Faults
-from ..values.kinds import Kind, kind_of
-from ..values.paths import ExistingPath
-from ..values.quantities import Quality
-from ..values.reading import read
-from ..values.records import assemble, record
+from ..values.kinds import Fitting, kind_of
+from ..values.quantities import ExistingPath, Quality
+from ..values.records import assemble, read, record
 from .kinds import Amplitudes, StudyPath
 from .measured_shape import read_shape
 from .yaml_file import read_document
@@ -142,17 +139,12 @@ class DeviceSection(Device):
         return float(np.sqrt(self.spring * self.mass) / self.quality_factor)
 
 
-class SourceKind(Kind):
-    """A path, or a mapping."""
-
-    need = "a path, or a mapping of a device"
-
-    def take(self, value: object) -> object:
-        """Take a mapping, or the path of a file that is there."""
-        return value if isinstance(value, Mapping) else kind_of(ExistingPath).take(value)
+def _is_source(value):
+    return isinstance(value, Mapping) or kind_of(ExistingPath).fits(value)
 
 
-Source = TypeAliasType("Source", Annotated[str | PathLike | Mapping, SourceKind()])
+_SOURCE = Fitting("the path of a file that is there, or a mapping of a device", _is_source)
+Source = Annotated[str | PathLike | Mapping, _SOURCE]
 
 
 def load_device(source: Source) -> Device:

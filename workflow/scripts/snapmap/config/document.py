@@ -1,27 +1,24 @@
-"""The whole config but device and shock: `Document`, and its sections."""
+"""The sections of the core in a config, but for device and shock."""
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated
 
-import numpy as np
-from typing_extensions import TypeAliasType
-
-from ..applications import gather
-from ..device.device import VALUES
 from ..files.named import sha256_of
 from ..files.tables import ROWS
 from ..files.text import describe
 from ..solver.options import Model
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
-from ..study.axes import COORDINATES, KIND_OF
-from ..values.kinds import Several, Word
+from ..study.arguments import AxesOfDevice
+from ..study.axes import COORDINATES, KIND_OF, one_time
+from ..values.kinds import Several, Word, kind_of
 from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
-from ..values.records import record, row_of_kinds
+from ..values.records import record
 from .devices import DeviceSection
-from .kinds import PathKind, Title
+from .kinds import PATH, Title
 from .points import read_points
-from .shocks import TIMED, PulseSection, one_time
+from .shocks import TIMED, PulseSection
 
 AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
 """Names of axes of figures."""
@@ -29,18 +26,8 @@ OF_SNAKEMAKE = "threads"
 """The value of a run that no config has."""
 
 
-class AxisName(Word):
-    """The name of an axis of a figure."""
-
-    @property
-    def need(self) -> str:
-        """What is right, in words that follow "is not"."""
-        return f"the name of an axis{'' if 'N' in self.words else ' other than N'}"
-
-
-Axis = TypeAliasType("Axis", Annotated[str, AxisName((*AXES,))])
-OF_THRESHOLDS = AxisName((*AXES[:-1],))
-AxisOfThresholds = TypeAliasType("AxisOfThresholds", Annotated[str, OF_THRESHOLDS])
+Axis = Annotated[str, Word((*AXES,), "the name of an axis")]
+AxisOfThresholds = Annotated[str, Word((*AXES[:-1],), "the name of an axis other than N")]
 
 
 @record
@@ -68,17 +55,8 @@ class LinesSection:
     """as in maps"""
 
 
-def _axis(kind):
-    return Annotated[
-        np.ndarray, Several(kind)
-    ], "values in place of the device's own, a list or a range"
-
-
-_Axes = row_of_kinds("Axes", {key: _axis(KIND_OF[key]) for key in VALUES})
-
-
 @record
-class SweepSection(_Axes):
+class SweepSection(AxesOfDevice):
     """The axes: a list, or a range with both ends, of each."""
 
     N: Amplitudes | None = None
@@ -98,18 +76,15 @@ class SweepSection(_Axes):
         return {} if "N" in written else {"N": f"missing; write {Several(KIND_OF['N']).asks}"}
 
 
-class MarksKind(PathKind):
-    """The path of a table of points, which is read to check it."""
-
-    def read(self, value: object) -> tuple[str, str]:
-        """Read the table; gives its path and SHA-256."""
-        path = super().read(value)
-        sha256 = sha256_of(path, *ROWS)
-        read_points(path, sha256)
-        return path, sha256
+def _marks(path):
+    """Read a table of points to check it; gives its path and SHA-256."""
+    path = PATH.by(path)
+    sha256 = sha256_of(path, *ROWS)
+    read_points(path, sha256)
+    return path, sha256
 
 
-Marks = TypeAliasType("Marks", Annotated[tuple[str, str], MarksKind()])
+Marks = Annotated[tuple[str, str], replace(PATH, by=_marks)]
 
 
 @record
@@ -144,7 +119,7 @@ class Core:
     @classmethod
     def beside(cls, written: Mapping) -> dict:
         """Find sections and keys that are missing, or that exclude others."""
-        needs = {"model": Model.__value__.__metadata__[0].asks, "sweep": "a mapping: the axes"}
+        needs = {"model": kind_of(Model).asks, "sweep": "a mapping: the axes"}
         faults = {
             key: f"missing; write {need}" for key, need in needs.items() if key not in written
         }
@@ -186,7 +161,3 @@ def _dampers(written, sweep, several):
         return dict.fromkeys(factors, "replaces sweep.C; write one of them")
     wanted = "dampers (force time per length) of the mass, or device.quality_factor"
     return {} if factors else {("sweep", "C"): f"missing; write {wanted}"}
-
-
-Document = row_of_kinds("Document", gather(lambda part: part.section()), Core)
-"""The whole config: sections of the core and of all applications."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..applications import attached
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
 from ..device.device import Beam, Device, is_bistable
@@ -18,6 +17,7 @@ from .points import read_points
 from .vibrations import vibrations
 
 if TYPE_CHECKING:
+    from ..pulse.shocks import Shocks
     from .study import Config
 
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
@@ -51,12 +51,15 @@ def dampers(study: Config) -> np.ndarray | None:
     return None if study.model.laws else study.axes["C"]
 
 
-def doubts(study: Config) -> list[str]:
-    """Warn, in lines, of values that are hardly meant and of what the model may leave out."""
+def doubts_of_core(study: Config, records: Sequence[tuple[Shocks, float, str]] = ()) -> list[str]:
+    """Warn, in lines, of values that are hardly meant and of what the model may leave out.
+
+    records: recorded shocks beside the study's own, each with an f0, Hz, and a start
+    """
     axes, (first, *_) = study.axes, study.devices().values()
     swings = max(pulse.swings for pulse in study.shocks.pulses)
     lines = implausible(study.grid.device, dampers(study), axes["f0"], swings)
-    lines += unusual_runs(N=axes["N"], horizon=study.run.horizon)
+    lines += unusual_runs(N=axes["N"], horizon=study.horizon)
     for name, device in study.devices().items():
         remarks = [barely(device), tilting(device.beam), stopped(device)]
         force = device.force
@@ -68,16 +71,13 @@ def doubts(study: Config) -> list[str]:
         if "temperature" in axes and not any(slopes):
             remarks.append(f"temperature: {IDLE}")
         lines += [f"{name}: {line}" for line in remarks if line]
-    shaking = [(study.shocks, axes["f0"][-1], study.run.start)]
-    shaking += [record for part in attached().values() for record in part.records(study)]
-    for shocks, f0, start in shaking:
+    for shocks, f0, start in [(study.shocks, axes["f0"][-1], study.start), *records]:
         lines += shocks.doubts(is_pressed=start == FIRST)
         for pulse in shocks.shapes.values():
             lines += pulse.doubts(float(first.own_frequency), float(1e6 / f0), float(first.gravity))
     if study.own_points:
         lines += outside(study.own_points, axes)
-    lines += [line for part in attached().values() for line in part.doubts(study)]
-    return list(dict.fromkeys(lines))  # a record may be that of several shocks
+    return lines
 
 
 def barely(device: Device) -> str:

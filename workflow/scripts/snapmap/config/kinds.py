@@ -2,64 +2,32 @@
 
 from typing import Annotated
 
-from typing_extensions import TypeAliasType
-
 from ..device.curved_beam import COSINES
 from ..files.named import inside
-from ..files.text import describe, is_title
-from ..values.kinds import Kind, Quantity, read_each
+from ..files.text import is_title
+from ..values.kinds import JSON_TEXT, Fitting, Items, kind_of
+from ..values.quantities import Part
+
+MOST = len(COSINES) + 1
+"""Most amplitudes of a shape."""
+_LINE = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
+_SIGNS = {"type": "string", "maxLength": 60}
+Title = Annotated[str, Fitting(_LINE, is_title, json=_SIGNS)]
 
 
-class TitleKind(Kind):
-    """A title."""
-
-    need = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
-
-    def read(self, value: object) -> str:
-        """Read a title."""
-        if not is_title(value):
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return value
-
-    def schema(self) -> dict:
-        """Describe text."""
-        return {"type": "string", "maxLength": 60}
+def _is_path(value):
+    return isinstance(value, str) and value
 
 
-Title = TypeAliasType("Title", Annotated[str, TitleKind()])
+PATH = Fitting("the path of a file in the study's folder", _is_path, inside, json=JSON_TEXT)
+StudyPath = Annotated[str, PATH]
 
 
-class AmplitudesKind(Kind):
-    """Amplitudes of cosines."""
-
-    need = f"a list of up to {len(COSINES) + 1} plain numbers"
-
-    def read(self, value: object) -> list[float]:
-        """Read a list of numbers."""
-        if not isinstance(value, list | tuple) or not 0 < len(value) <= len(COSINES) + 1:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return read_each(Quantity("a plain number", "", "0.1", "(-inf, inf)"), value)
-
-    def schema(self) -> dict:
-        """Describe a list of numbers."""
-        return {"type": "array", "items": {"type": "number"}, "minItems": 1, "maxItems": 5}
+def _are_few(value):
+    return isinstance(value, list | tuple) and 0 < len(value) <= MOST
 
 
-class PathKind(Kind):
-    """The path of a file in the study's folder."""
-
-    need = "the path of a file in the study's folder"
-
-    def read(self, value: object) -> str:
-        """Read a path."""
-        if not (isinstance(value, str) and value):
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return inside(value)
-
-    def schema(self) -> dict:
-        """Describe a path."""
-        return {"type": "string"}
-
-
-StudyPath = TypeAliasType("StudyPath", Annotated[str, PathKind()])
-Amplitudes = TypeAliasType("Amplitudes", Annotated[list[float], AmplitudesKind()])
+_AMPLITUDES = Items(kind_of(Part))
+_NUMBERS = {"type": "array", "items": {"type": "number"}, "minItems": 1, "maxItems": MOST}
+_FEW = Fitting(f"a list of up to {MOST} plain numbers", _are_few, _AMPLITUDES.read, json=_NUMBERS)
+Amplitudes = Annotated[list[float], _FEW]

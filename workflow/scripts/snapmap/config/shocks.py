@@ -4,16 +4,13 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, fields
 from typing import Annotated, Literal
 
-from typing_extensions import TypeAliasType
-
 from ..files.named import sha256_of
-from ..files.text import describe
-from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, Form
+from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, Form, ShapeName
 from ..pulse.recorded import RECORD
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..pulse.trains import Blow, Drop
 from ..values.faults import at_key
-from ..values.kinds import Kind
+from ..values.kinds import Fitting, kind_of
 from ..values.records import record, told
 from .kinds import StudyPath
 
@@ -21,28 +18,16 @@ TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and set their own duration."""
 
 
-class ShapesKind(Kind):
-    """A shape, or a list of shapes, each once."""
-
-    need = f"one of {', '.join(SHAPES)}, or a list of these, each once"
-
-    def read(self, value: object) -> str | list[str]:
-        """Read a shape, or a list of shapes."""
-        names = value if isinstance(value, list) else [value]
-        known = all(isinstance(name, str) and name in SHAPES for name in names)
-        if not known or not 0 < len(names) == len(set(names)):
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return value
-
-    take = read
-
-    def schema(self) -> dict:
-        """Describe a shape or a list."""
-        shape = {"enum": [*SHAPES]}
-        return {"anyOf": [shape, {"type": "array", "items": shape, "minItems": 1}]}
+def _are_shapes(value):
+    names = value if isinstance(value, list) else [value]
+    known = all(isinstance(name, str) and name in SHAPES for name in names)
+    return known and 0 < len(names) == len(set(names))
 
 
-SeveralShapes = TypeAliasType("SeveralShapes", Annotated[str | list[str], ShapesKind()])
+_SHAPE = kind_of(ShapeName).schema()
+_JSON = {"anyOf": [_SHAPE, {"type": "array", "items": _SHAPE, "minItems": 1}]}
+_NEED = f"one of {', '.join(SHAPES)}, or a list of these, each once"
+SeveralShapes = Annotated[str | list[str], Fitting(_NEED, _are_shapes, json=_JSON)]
 Push = Literal[(*DIRECTIONS, "both")]
 
 
@@ -94,12 +79,3 @@ class PulseSection(Form):
 
 PULSE = tuple(field.name for field in fields(PulseSection))
 """Keys of a pulse."""
-
-
-def one_time(written: Mapping, lasts_itself: bool = False) -> dict[str, str]:
-    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
-    if "f0" in written and "duration" in written:
-        return {"duration": "excludes f0, which is 1/duration; write one of them"}
-    if "f0" in written or "duration" in written or lasts_itself:
-        return {}
-    return {"f0": "missing; write f0 or duration"}

@@ -1,30 +1,27 @@
 """The conversion of a config document to a `Config` in internal units."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..applications import attached, merge
 from ..beam.equilibria import require_rest, second_shape, shapes_of
 from ..device.device import VALUES, Device
-from ..files.named import hold_to_plan, sha256_of
+from ..files.named import sha256_of
 from ..pulse.pulse import N_of_g
 from ..pulse.shocks import HANDOUT_SHOCK
 from ..solver.options import Model
 from ..solver.settings import SECOND
-from ..study.axes import KIND_OF, SHOCK_AXES, TEMPERATURE, Grid, Units, make_grid
+from ..study.axes import SHOCK_AXES, TEMPERATURE, Grid, Units, frequency_of, make_grid, unit_on
 from ..study.study import Study
-from ..values.damper import INTERNAL, damper_in
 from ..values.faults import Faults, line_at
 from ..values.kinds import kind_of
-from ..values.reading import read
-from ..values.units import spelling_of
+from ..values.units import OF_DAMPER, spelling_of
 from .devices import nominal
-from .document import Document
+from .document import Core
 from .measured_shape import PROFILE
-from .views import View, choose_curves, choose_maps, frequency_of, read_places
+from .views import View, choose_curves, choose_maps, read_places
 
 AXES = *VALUES, *SHOCK_AXES
 """Keys of the section sweep that are axes; `duration` is f0 by another name."""
@@ -36,31 +33,55 @@ DESIGN = *(key for key in VALUES if key != TEMPERATURE), "C"
 class Config(Study):
     """A study with the cells of its sweep, and the requests for all its products.
 
+    sections: the config as it was read, in records; source: as it was written
     grid: all points of the axes, each ascending
-    requests: request to each application, by the name of its folder; false for no request
-    threshold_tolerance: relative refinement of the thresholds in N
     maps, curves: figures of cells and of thresholds
-    own_points: path and SHA-256 of a user's own points on the maps, and N of 1 g; or ()
     left_out: one line on maps that are not drawn, or an empty one
-    measured: lines on shapes of beams that were read from files, by device and path
-    title: head of the data sheet
-    written: sections of the devices by name, as the config has them
-    source: the whole config, as it was read
-    units: units in which the config has the axes of device and C
+    requests: request to each application, by the name of its folder; false for no request
     """
 
+    sections: Core
+    source: Mapping
     grid: Grid
-    requests: dict[str, Any]
-    threshold_tolerance: float
     maps: tuple[View, ...]
     curves: tuple[View, ...]
-    own_points: tuple[str, str, float] | tuple[()]
     left_out: str
-    measured: dict[tuple[str, str], str]
-    title: str
-    written: dict[str, Mapping]
-    source: Mapping
-    units: Units
+    requests: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """Head of the data sheet."""
+        return self.sections.title or ""
+
+    @property
+    def threshold_tolerance(self) -> float:
+        """Relative refinement of the thresholds in N."""
+        return self.sections.sweep.threshold_tolerance
+
+    @property
+    def own_points(self) -> tuple:
+        """Path and SHA-256 of a user's own points on the maps, and N of 1 g; or ()."""
+        marks = self.sections.marks
+        return (*marks, N_of_g(nominal(self.device).gravity)) if marks else ()
+
+    @property
+    def measured(self) -> dict[tuple[str, str], str]:
+        """Lines on shapes of beams that were read from files, by device and path."""
+        beams = {name: section.beam for name, section in self.sections.by_name.items()}
+        files = {name: beam for name, beam in beams.items() if beam.measured}
+        return {(name, b.shape.file): f"{name}, {b.measured}" for name, b in files.items()}
+
+    @property
+    def written(self) -> dict[str, Mapping]:
+        """Sections of the devices by name, as the config has them."""
+        return self.source.get("devices") or {"device": self.source["device"]}
+
+    @property
+    def units(self) -> Units:
+        """Units in which the config has the axes of device and C."""
+        sweep = self.source["sweep"]
+        keys = [key for key in DESIGN if key in sweep]
+        return {key: _unit(sweep[key], unit_on(key, self.unit_of_C)) for key in keys}
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
@@ -81,52 +102,40 @@ class Config(Study):
 
     def of_thresholds(self) -> "Config":
         """Give the study with the settings by which all functions but `sweep` follow cells."""
-        return replace(self, run=self.run.but(until="settled", repeat=True))
+        return self.but(until="settled", repeat=True)
 
     def files(self) -> dict[str, str]:
-        """Give the SHA-256 of each file that the config names, as it was read, by path."""
+        """Give the SHA-256 of each file that sections of the core name, as it was read, by path."""
         recorded = self.shocks.files
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
         laws = self.model.laws
         of_laws = {laws.file: laws.sha256} if laws and laws.file else {}
-        return recorded | shapes | points | of_laws | merge(lambda part: part.files(self))
+        return recorded | shapes | points | of_laws
 
 
-def planned_study(document: Mapping, threads: int) -> Config:
-    """Load the study of a job by its run's config; ValueError for a file edited since."""
-    study = load_config(document)
-    hold_to_plan(study.files())
-    return replace(study, run=study.run.but(threads=threads))
-
-
-def load_config(document: Mapping) -> Config:
-    """Check a whole config document and convert it; Faults have a line for each fault."""
-    with damper_in(_unit_of_C(document)):
-        return _convert(document)
-
-
-def _unit_of_C(source):
+def unit_of_C(source: Mapping) -> str:
     """Give the unit of C of a config, which the laws of its model may state."""
     try:
         laws = kind_of(Model).read(source["model"]).laws
     except (KeyError, TypeError, ValueError):  # told beside all other faults
         laws = None
-    return laws.unit_of_C if laws else INTERNAL
+    return laws.unit_of_C if laws else OF_DAMPER
 
 
-def _convert(source):
-    parts, faults = read(Document, source), _Faults()
+def convert(parts: Core, source: Mapping) -> Config:
+    """Convert the sections of the core, without requests; Faults have a line for each fault."""
+    faults, unit = Caught(), parts.model.laws.unit_of_C if parts.model.laws else OF_DAMPER
     named = {name: section.made for name, section in parts.by_name.items()}
     device = named if parts.devices else named["device"]
     shocks = parts.pulse.make_shocks() if parts.pulse else HANDOUT_SHOCK
-    C = faults.catch(("devices",), _damper, parts)
+    C = faults.catch(("devices",), _damper, parts, unit)
     grid = None if faults else faults.catch(("sweep",), _grid, parts, source, device, shocks, C)
 
     def views(name, y):
         def read(view):
             axes = view.x, getattr(view, y)
-            return *axes, read_places(*axes, view.at, grid.axes)
+            return *axes, read_places(*axes, view.at, grid.axes, unit)
 
         sections = getattr(parts, name)
         return sections and [faults.catch((name, i), read, v) for i, v in enumerate(sections)]
@@ -134,49 +143,25 @@ def _convert(source):
     if grid:
         maps, curves = views("maps", "y"), views("thresholds", "lines")
         faults.catch(("run",), require_start, parts.run.start, grid.device)
-    how = {"model": parts.model, "run": parts.run, "skip": parts.skip}
+    how = {"model": parts.model, "skip": parts.skip, **vars(parts.run)}
     how |= {"pulse": shocks.pulse, "direction": shocks.direction}
     faults.catch(("device",), lambda: Study(device, **how))  # refuses some forces
     faults.refuse()
     chosen, left_out = choose_maps(grid, nominal(device), maps)
-    study = Config(
+    return Config(
         device=device,
         **how,
+        sections=parts,
+        source=source,
         grid=grid,
-        requests={},
-        threshold_tolerance=parts.sweep.threshold_tolerance,
         maps=chosen,
         curves=choose_curves(grid, nominal(device), curves),
-        own_points=(*parts.marks, N_of_g(nominal(device).gravity)) if parts.marks else (),
         left_out=left_out,
-        measured={
-            (name, section.beam.shape.file): f"{name}, {section.beam.measured}"
-            for name, section in parts.by_name.items()
-            if section.beam.measured
-        },
-        title=parts.title or "",
-        written=source.get("devices") or {"device": source["device"]},
-        source=source,
-        units={key: _unit(key, source["sweep"][key]) for key in DESIGN if key in source["sweep"]},
+        requests={},
     )
-    for name, application in attached().items():
-        arguments = getattr(parts, name, None), study, parts
-        study.requests[name] = faults.catch((name,), application.request, *arguments)
-        if study.requests[name] and not _follows_laws(name, study.model):
-            faults.append(f"{name}: does not work with model.laws; leave one of them out")
-    faults.refuse()
-    return study
 
 
-def _follows_laws(name, chosen):
-    """Tell whether an application can follow a model, which may have a user's own laws.
-
-    The three laws of a switch are those of the device's own forces.
-    """
-    return not chosen.laws or name != "laws"
-
-
-class _Faults(list):
+class Caught(list):
     """Lines on the faults of a config."""
 
     def catch(self, path: tuple, function: Callable, *arguments: Any) -> Any:
@@ -193,10 +178,9 @@ class _Faults(list):
             raise Faults(*dict.fromkeys(self))
 
 
-def _unit(key, written):
+def _unit(written, unit):
     """Give the unit of the first value of an axis, as `spelling_of` does."""
-    first = written["from"] if isinstance(written, Mapping) else written[0]
-    return spelling_of(first, KIND_OF[key].unit)
+    return spelling_of(written["from"] if isinstance(written, Mapping) else written[0], unit)
 
 
 def require_start(start: str, *devices: Device) -> None:
@@ -209,12 +193,11 @@ def require_start(start: str, *devices: Device) -> None:
                 raise ValueError(f".{error}") from None
 
 
-def _damper(parts):
+def _damper(parts, unit):
     """Give C by the quality factors of the devices, uN us/um; it does not count beside sweep.C."""
     dampers = {section.C for section in parts.by_name.values()}
-    unit = KIND_OF["C"].unit
-    if dampers - {None, 0.0} and unit != INTERNAL:
-        words = f"device.quality_factor: gives C in {INTERNAL}, but model.laws states {unit or 1}"
+    if dampers - {None, 0.0} and unit != OF_DAMPER:
+        words = f"device.quality_factor: gives C in {OF_DAMPER}, but model.laws states {unit or 1}"
         raise ValueError(f"{words}; write sweep.C")
     if parts.sweep.C is None and (len(dampers) > 1 or None in dampers):
         raise ValueError("quality factors give each device another C; write sweep.C")

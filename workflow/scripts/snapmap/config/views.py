@@ -9,7 +9,9 @@ import numpy as np
 from ..device.device import VALUES, Device
 from ..files.text import describe, exact, stem_of
 from ..numerics.portable import evenly
-from ..study.axes import DURATION, KIND_OF, NAMES, PULSE_AXES, Grid, axis_behind
+from ..study.axes import DURATION, KIND_OF, NAMES, PULSE_AXES, Grid, axis_behind, frequency_of
+from ..values.arguments import Reading
+from ..values.units import OF_DAMPER
 
 MOST_DAMPINGS = 6
 """Most values of C that have a figure with lines for names, unless more are requested."""
@@ -40,13 +42,12 @@ class View(NamedTuple):
         return "N" in (self.x, self.y, *self.at)
 
 
-def frequency_of(duration: float) -> float:
-    """Give the frequency, Hz, of a pulse by its duration, us, to 14 digits: 0.5 ms is 2000 Hz."""
-    return float(f"{1e6 / duration:.14g}")
-
-
 def read_places(
-    x: str, y: str, at: Mapping[str, object] | None, axes: Mapping[str, np.ndarray]
+    x: str,
+    y: str,
+    at: Mapping[str, object] | None,
+    axes: Mapping[str, np.ndarray],
+    unit_of_C: str = OF_DAMPER,
 ) -> dict[str, int]:
     """Find the places on axes, by name, nearest to the values that a view has under `at`.
 
@@ -70,7 +71,7 @@ def read_places(
             places[axis] = axes[axis].tolist().index(value)
             continue
         try:
-            number = KIND_OF[key].read(value)
+            number = KIND_OF[key].convert(value, Reading(True, unit_of_C))
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
         places[axis] = _nearest(axes[axis], frequency_of(number) if key == DURATION else number)

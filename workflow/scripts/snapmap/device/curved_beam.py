@@ -9,12 +9,10 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
-from ..files.text import show
 from ..values import quantities
 from ..values.fields import hints
-from ..values.kinds import Kind, Number, kind_of
+from ..values.kinds import Fitting, Number, kind_of
 from ..values.records import record
 from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
@@ -27,28 +25,21 @@ FLAT = 1e-8
 """Rise of a straight beam over its buckled rise: it makes one of two equal shapes the first."""
 
 
-class FreeKind(Kind):
-    """True or false, or a batch of these, held as floats 1 and 0."""
-
-    need = "true or false"
-
-    def take(self, value: object) -> Number:
-        """Convert true or false, or 1 and 0, to floats."""
-        array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
-        if array is None or not np.isin(array, (0, 1)).all():
-            raise ValueError(f"{show(value)} is not true (free to tilt) or false (guided)")
-        return array.astype(float) if array.ndim else float(array)
-
-    def write(self, value: float) -> bool:
-        """Write true or false."""
-        return bool(value)
-
-    def schema(self) -> dict:
-        """Describe true or false."""
-        return {"type": "boolean"}
+def _floats(value):
+    """Convert true or false, or 1 and 0, to floats; None for others."""
+    array = np.asarray(value) if isinstance(value, bool | np.bool_) else plain_numbers(value)
+    if array is None or not np.isin(array, (0, 1)).all():
+        return None
+    return array.astype(float) if array.ndim else float(array)
 
 
-Free = TypeAliasType("Free", Annotated[bool, FreeKind()])
+def _is_flag(value):
+    return _floats(value) is not None
+
+
+_FLAG = Fitting("True or False", _is_flag, _floats, "true or false", {"type": "boolean"}, bool)
+Free = Annotated[bool, _FLAG]
+"""True or false, or a batch of these, held as floats 1 and 0."""
 
 
 @record

@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
-from ..files.text import show
-from ..values.faults import at_key
-from ..values.kinds import Fitting, Kind, Single, Whole
-from ..values.units import is_plain, plain_numbers, unit_of
+from ..files.text import describe, show
+from ..values.arguments import Reading
+from ..values.kinds import Fitting, Kind, Quantity, Whole, kind_of
+from ..values.quantities import Share, single
+from ..values.records import ByKeys, row_of_kinds
 from .device import KINDS, OF_MASS, VALUES, Device
 
 OF_DEVICE = tuple(key for key in VALUES if key != "temperature")
@@ -24,7 +25,7 @@ FOLLOWED_CELLS, FEWEST_FOLLOWED = 1_000_000, 64
 """Most cells that are followed to their end; at least the cells of so many samples are."""
 CUT = 2.0
 """Standard deviations at which a truncated normal distribution ends."""
-_FACTOR = Single("a factor")
+_FACTOR = single("a factor")
 DIGITS = 7
 """Decimals to which deviations over their width are rounded, so libraries cannot differ."""
 
@@ -33,69 +34,6 @@ def _are_groups(value):
     groups = value if isinstance(value, list | tuple) else [value]
     are_lists = all(isinstance(group, list | tuple) for group in groups)
     return are_lists and all(isinstance(key, str) for group in groups for key in group)
-
-
-class ScattersKind(Kind):
-    """What scatters, to its width."""
-
-    need = 'a mapping of what can scatter to its width, such as {"thickness": "3 %"}'
-
-    def take(self, value: object) -> dict[str, float | str | Mapping]:
-        """Convert widths by the kinds of their values; shares stay text."""
-        if not isinstance(value, Mapping) or not value or not {*value} <= {*VALUES, *SHOCK_FACTORS}:
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return {key: _take_width(key, width) for key, width in value.items()}
-
-
-def _take_width(key, width):
-    if isinstance(width, Mapping):
-        return {kind: _take_width(key, inner) for kind, inner in width.items()}
-    has_unit = isinstance(width, str) and not width.strip().endswith("%") and not is_plain(width)
-    if key in KINDS and (has_unit or unit_of(width)):
-        with at_key(key):
-            return KINDS[key].take(width)
-    number = None if isinstance(width, str) else plain_numbers(width)
-    return width if number is None or number.ndim else number.item()
-
-
-Samples = TypeAliasType("Samples", Annotated[int, Whole(2, 100_000)])
-_JSON = (("type", "array"), ("items", {"type": "array", "items": {"type": "string"}}))
-_GROUPS = Fitting("a list of groups of names, as [[span, rise]]", _are_groups, _JSON)
-Groups = TypeAliasType("Groups", Annotated[Sequence[Sequence[str]], _GROUPS])
-Scatters = TypeAliasType("Scatters", Annotated[Mapping[str, float | str | Mapping], ScattersKind()])
-
-
-class Tolerances(NamedTuple):
-    """A request for devices as made.
-
-    scatters: standard deviation of each value, as `snapmap.tolerance` takes it
-    together: groups of values that share a draw
-    samples: number of devices
-    index_samples: samples that estimate Sobol indices, rounded down to a power of two; each takes
-        2 devices and one more for each scatter; None for up to INDEX_SAMPLES
-    seed: of the draws
-    """
-
-    scatters: Mapping[str, float | str | Mapping]
-    together: Sequence[Sequence[str]] = ()
-    samples: int = SAMPLES
-    index_samples: int | None = None
-    seed: int = SEED
-
-    @property
-    def section(self) -> dict:
-        """The request in plain values, as provenance records it."""
-        draws = {"samples": self.samples, "seed": self.seed, "together": self.together}
-        return {**self.scatters, **draws}
-
-    @property
-    def power(self) -> int:
-        """Number of samples that estimate Sobol indices, a power of two."""
-        return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
-
-    def followed(self, cells: int) -> int:
-        """Return how many samples, of so many cells each, are followed to the end."""
-        return min(self.samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // cells))
 
 
 class Scatter(NamedTuple):
@@ -127,6 +65,106 @@ class Scatter(NamedTuple):
         width = self.width * abs(nominal) if self.is_share else self.width
         return nominal + width * np.round(deviation, DIGITS)
 
+    @property
+    def written(self) -> float | str | dict[str, float | str]:
+        """The scatter as a config has it, in internal units."""
+        width = f"{100 * self.width:.12g} %" if self.is_share else self.width
+        return width if self.distribution == "normal" else {self.distribution: width}
+
+
+@dataclass(frozen=True)
+class Width(Kind):
+    """How a value scatters: a standard deviation, or a mapping of a distribution to its width.
+
+    of: the value; None where only shares are right
+    """
+
+    of: Quantity | None
+    type = float | str | dict[str, float | str]
+
+    @property
+    def need(self) -> str:
+        """What is right, in words that follow "is not"."""
+        value = " or a value" if self.of else ""
+        return f"a standard deviation, as a share{value}, or a mapping of a kind to its width"
+
+    def convert(self, value: object, reading: Reading) -> Scatter:
+        """Convert a width, or a mapping."""
+        distribution = "normal"
+        if isinstance(value, Mapping):
+            if len(value) != 1 or next(iter(value)) not in DISTRIBUTIONS:
+                need = f"a mapping of one of {', '.join(DISTRIBUTIONS)} to its width"
+                raise ValueError(f"{describe(value)} is not {need}")
+            ((distribution, value),) = value.items()
+        if isinstance(value, str) and value.strip().endswith("%"):
+            kind_of(Share).read(value)
+            return Scatter(distribution, float(value.strip()[:-1]) / 100, True)
+        if not self.of:
+            raise ValueError(f"{describe(value)} is not a share; write one such as '5 %'")
+        try:
+            width = self.of.convert(value, reading)
+        except ValueError as error:
+            raise ValueError(f"{error}, or a share such as '5 %'") from None
+        if np.ndim(width) or not 0 < width < math.inf:
+            raise ValueError(f"{show(value)} is not above 0; write a width, or a share as '5 %'")
+        return Scatter(distribution, width, False)
+
+    def schema(self) -> dict:
+        """Describe a width, or a mapping."""
+        width = {"type": ["string", "number"]}
+        spreads = {"type": "object", "properties": dict.fromkeys(DISTRIBUTIONS, width)}
+        return {"anyOf": [width, spreads | {"additionalProperties": False}]}
+
+
+def _width(key):
+    words = (
+        "standard deviation, as a value or a share, or as {uniform: 5 %}; no scatter if left out"
+    )
+    return Annotated[object, Width(KINDS.get(key))], words
+
+
+Widths = row_of_kinds("Widths", {key: _width(key) for key in (*OF_DEVICE, *SHOCK_FACTORS)})
+Samples = Annotated[int, Whole(2, 100_000)]
+_JSON = {"type": "array", "items": {"type": "array", "items": {"type": "string"}}}
+_GROUPS = Fitting("a list of groups of names, as [[span, rise]]", _are_groups, json=_JSON)
+Groups = Annotated[Sequence[Sequence[str]], _GROUPS]
+_SCATTERS = 'a mapping of what can scatter to its width, such as {"thickness": "3 %"}'
+_WIDTHS = ByKeys(Widths, _SCATTERS, "cannot scatter", least=1)
+Scatters = Annotated[Mapping[str, float | str | Mapping], _WIDTHS]
+
+
+class Tolerances(NamedTuple):
+    """A request for devices as made.
+
+    scatters: how each value scatters
+    together: groups of values that share a draw
+    samples: number of devices
+    index_samples: samples that estimate Sobol indices, rounded down to a power of two; each takes
+        2 devices and one more for each scatter; None for up to INDEX_SAMPLES
+    seed: of the draws
+    """
+
+    scatters: Mapping[str, Scatter]
+    together: Sequence[Sequence[str]] = ()
+    samples: int = SAMPLES
+    index_samples: int | None = None
+    seed: int = SEED
+
+    @property
+    def section(self) -> dict:
+        """The request in plain values, as provenance records it."""
+        draws = {"samples": self.samples, "seed": self.seed, "together": self.together}
+        return {key: scatter.written for key, scatter in self.scatters.items()} | draws
+
+    @property
+    def power(self) -> int:
+        """Number of samples that estimate Sobol indices, a power of two."""
+        return 1 << (min(self.samples, self.index_samples or INDEX_SAMPLES).bit_length() - 1)
+
+    def followed(self, cells: int) -> int:
+        """Return how many samples, of so many cells each, are followed to the end."""
+        return min(self.samples, max(FEWEST_FOLLOWED, FOLLOWED_CELLS // cells))
+
 
 class Plan:
     """A plan of samples.
@@ -134,9 +172,11 @@ class Plan:
     scatters, nominal: of each value, by name; factors: for each draw, the values that it moves
     """
 
-    def __init__(self, device, scatters: Mapping, together: Sequence[Sequence[str]] = ()):
-        """Read scatters, as `snapmap.tolerance` takes them; raises ValueError, one line."""
-        self.scatters = {key: _scatter(key, width) for key, width in scatters.items()}
+    def __init__(
+        self, device, scatters: Mapping[str, Scatter], together: Sequence[Sequence[str]] = ()
+    ):
+        """Take scatters; raises ValueError, one line, for those that a device cannot have."""
+        self.scatters = dict(scatters)
         if not self.scatters:
             raise ValueError("tolerances: empty; write a value that scatters, such as thickness")
         self.nominal = {}
@@ -204,26 +244,3 @@ def nominal_value(device: Device, key: str) -> float:
     if key in SHOCK_FACTORS:
         return 1.0
     return float(getattr(device.beam if hasattr(device.beam, key) else device, key))
-
-
-def _scatter(key, width):
-    """Read a width, a number or text such as "5 %", or a mapping of one of DISTRIBUTIONS to it."""
-    name = f"tolerances.{key}"
-    known = *OF_DEVICE, *SHOCK_FACTORS
-    if key not in known:
-        raise ValueError(f"{name}: cannot scatter; write one of {', '.join(known)}")
-    distribution = "normal"
-    if isinstance(width, Mapping):
-        if len(width) != 1 or next(iter(width)) not in DISTRIBUTIONS:
-            raise ValueError(f"{name}: write one of {', '.join(DISTRIBUTIONS)} with its width")
-        ((distribution, width),) = width.items()
-    is_share = isinstance(width, str) and width.strip().endswith("%")
-    try:
-        number = float(width.strip()[:-1]) / 100 if is_share else float(plain_numbers(width))
-    except (TypeError, ValueError):
-        number = math.nan
-    if not 0 < number < math.inf:
-        raise ValueError(f"{name}: {show(width)} is not a number above 0 or a share such as '5 %'")
-    if key in SHOCK_FACTORS and not is_share:
-        raise ValueError(f"{name}: {show(width)} is not a share; write one such as '5 %'")
-    return Scatter(distribution, number, is_share)

@@ -56,7 +56,7 @@ def line_keys(thresholds: xr.Dataset, lines: str) -> Iterator[Line2D]:
     """Make keys of a legend for all lines, with the limit of short pulses if there is one."""
     for curve, colour, marker in each_line(thresholds, lines):
         v = curve.velocity_change
-        label = value_text(lines, curve[lines].item(), with_unit=lines != "C")
+        label = value_text(lines, curve[lines].item(), unit="" if lines == "C" else None)
         if v.ndim == 0 and np.isfinite(v):
             label += f", $\\Delta v$ = {plain(v.item(), 3)} m/s"
         if curve.N_first.isnull().all():  # what `no_threshold` says in words

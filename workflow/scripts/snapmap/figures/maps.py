@@ -8,7 +8,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from typing_extensions import TypeAliasType
 
 from ..config.points import Point
 from ..files.text import show
@@ -84,40 +83,31 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
     return np.fmin.reduce(ends)[0].item(), np.fmax.reduce(ends)[1].item()
 
 
-def _dataset(need, *variables):
+def _having(need, *variables):
     """Make the kind of a dataset that has some variables."""
 
     def has_them(value):
         return isinstance(value, xr.Dataset) and {*variables} <= {*value}
 
-    return Annotated[xr.Dataset, Fitting(need, has_them)]
+    return Fitting(need, has_them)
 
 
 CELLS = "a cube, as sweep and open_cube return it"
-Cube = TypeAliasType("Cube", _dataset(CELLS, "outcome", "t_snap"))
-Thresholds = TypeAliasType(
-    "Thresholds", _dataset("a Dataset of thresholds, as threshold returns it", "N_first")
-)
-MatplotlibAxes = TypeAliasType(
-    "MatplotlibAxes",
-    Annotated[Axes, Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))],
-)
+Cube = Annotated[xr.Dataset, _having(CELLS, "outcome", "t_snap")]
+_THRESHOLDS = "a Dataset of thresholds, as threshold returns it"
+Thresholds = Annotated[xr.Dataset, _having(_THRESHOLDS, "N_first")]
+_AXES = Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
+MatplotlibAxes = Annotated[Axes, _AXES]
 
 
-LegendArguments = TypeAliasType(
-    "LegendArguments",
-    Annotated[
-        bool | Mapping,
-        Fitting("true, false or a mapping", lambda value: isinstance(value, bool | Mapping)),
-    ],
-)
-Colours = TypeAliasType(
-    "Colours",
-    Annotated[
-        Mapping[str, str],
-        Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping)),
-    ],
-)
+LegendArguments = Annotated[
+    bool | Mapping,
+    Fitting("true, false or a mapping", lambda value: isinstance(value, bool | Mapping)),
+]
+Colours = Annotated[
+    Mapping[str, str],
+    Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping)),
+]
 
 
 def plot_outcome(
@@ -163,7 +153,7 @@ def plot_outcome(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> ax = snapmap.plot_outcome(snapmap.sweep(study, [900, 1100], [500, 1500], 25))
     >>> ax.get_title().splitlines()[0][:8]
     '$C$ = 25'

@@ -62,7 +62,7 @@ def parts(cells: xr.Dataset) -> Iterator[xr.Dataset]:
 
 def open_plane(ax: Axes, cells: xr.Dataset, x: str, y: str) -> tuple[Scale, Scale]:
     """Scale and name both axes for ascending cells; returns the scales of x and y."""
-    scales = cells_of(x, cells[x].values), cells_of(y, cells[y].values)
+    scales = tuple(cells_of(key, cells[key].values, cells[key].attrs) for key in (x, y))
     study_axis(ax, scales[0], cells.attrs)
     set_scale(ax, "y", scales[1], cells.attrs)
     return scales

@@ -16,7 +16,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ..files.text import plain
 from ..study.axes import DURATION, KIND_OF
-from ..values.units import spelling
+from ..values.units import of_file, spelling
 from . import captions, style
 
 NONE = MappingProxyType({})
@@ -43,10 +43,15 @@ SHORT = 0.5
 """Decades below which a logarithmic axis has the ticks of a linear one."""
 
 
-def unit_of(key: str) -> str:
-    """Typeset the unit behind a value of an axis; "" for none."""
+def unit_of(key: str, attributes: Mapping[str, str] = NONE) -> str:
+    """Typeset the unit behind a value of an axis; "" for none.
+
+    attributes: of the axis, which have the unit of C under a user's own law
+    """
     if key == DURATION:
         return "ms"
+    if key == "C" and "units" in attributes:
+        return spelling(of_file(attributes["units"])).figures
     return spelling(KIND_OF[key].unit).figures if key in KIND_OF else ""
 
 
@@ -55,6 +60,7 @@ class Scale(NamedTuple):
 
     places: ascending, (values,); edges: edges of the cells around them, (values + 1,)
     is_log: whether the axis is logarithmic; is_counted: whether places count values
+    unit: typeset
     """
 
     key: str
@@ -63,31 +69,33 @@ class Scale(NamedTuple):
     edges: np.ndarray
     is_log: bool
     is_counted: bool
+    unit: str
 
 
-def scale_of(key: str, values: np.ndarray) -> Scale:
+def scale_of(key: str, values: np.ndarray, attributes: Mapping[str, str] = NONE) -> Scale:
     """Choose a scale for ascending values, linear or logarithmic, by their spacing.
 
     Frequency and duration are always logarithmic; names, and values with a hard contact, are
-    counted.
+    counted. attributes: of the axis, as for `unit_of`
     """
+    unit = unit_of(key, attributes)
     if values.dtype.kind not in "fiu" or not np.isfinite(values).all():
         places = np.arange(values.size, dtype=float)
-        return Scale(key, values, places, _edges(places, 0.5), False, True)
+        return Scale(key, values, places, _edges(places, 0.5), False, True, unit)
     positive = (values > 0).all()
     is_log = key in ("f0", DURATION) or (positive and _is_geometric(values))
     if is_log:
         edges = np.exp(_edges(np.log(values), math.log(1.1)))
     else:
         edges = _edges(values, abs(values[0]) / 10 or 0.5)
-    return Scale(key, values, values, edges, bool(is_log), False)
+    return Scale(key, values, values, edges, bool(is_log), False, unit)
 
 
-def cells_of(key: str, values: np.ndarray) -> Scale:
+def cells_of(key: str, values: np.ndarray, attributes: Mapping[str, str] = NONE) -> Scale:
     """Choose a scale for the cells of a map: few values, but those of the shock, are counted."""
     if values.size > FEW or key in ("f0", DURATION, "N"):
-        return scale_of(key, values)
-    return scale_of(key, values.astype(object))._replace(values=values)
+        return scale_of(key, values, attributes)
+    return scale_of(key, values.astype(object), attributes)._replace(values=values)
 
 
 def _edges(values, half):
@@ -118,10 +126,7 @@ def set_scale(ax: Axes, which: str, scale: Scale, attributes: Mapping[str, str] 
     is_row = scale.places.size > 1 and not scale.is_counted
     ends = scale.places if is_row else scale.edges
     ax.set(**{f"{which}scale": "log" if scale.is_log else "linear", f"{which}lim": ends[[0, -1]]})
-    label = axis_label(scale.key, attributes)
-    if not style.is_ours(ax):
-        label = label.replace(LABELS[scale.key], WORDS[scale.key] or LABELS[scale.key], 1)
-    axis.set_label_text(label)
+    axis.set_label_text(label_in(ax, scale.key, attributes, scale.unit))
     if not is_row:
         tick_values(axis, scale.places, scale.values)
     else:
@@ -171,12 +176,17 @@ def axis_label(key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -
     """Write the label of an axis: its quantity, and the unit in brackets.
 
     attributes: attributes of the dataset, whose config says what N counts
-    unit: spelling of the unit in a config; by default the internal unit
+    unit: typeset; by default the internal unit
     """
-    own = captions.multiples(attributes) if key == "N" else unit_of(key)
-    unit = spelling(unit).figures or own
+    unit = captions.multiples(attributes) if key == "N" else unit or unit_of(key)
     label = LABELS[key]
     return f"{label} ({unit})" if unit else label
+
+
+def label_in(ax: Axes, key: str, attributes: Mapping[str, str] = NONE, unit: str = "") -> str:
+    """Write `axis_label`, in axes of a user's own with the symbol alone, as they may be small."""
+    label = axis_label(key, attributes, unit)
+    return label if style.is_ours(ax) else label.replace(LABELS[key], WORDS[key] or LABELS[key], 1)
 
 
 def study_axis(ax: Axes, scale: Scale, attributes: Mapping[str, str] = NONE) -> None:
@@ -209,18 +219,22 @@ def along(data: xr.Dataset, *axes: str) -> xr.Dataset:
     return durations.swap_dims(f0=DURATION).sortby(DURATION)
 
 
-def value_text(key: str, value: float | str, with_unit: bool = True) -> str:
-    """Typeset a value of an axis: `$C$ = 25 µN µs µm$^{-1}$`, `thickness 1.9 µm`."""
-    words, unit = WORDS[key], unit_of(key)
+def value_text(key: str, value: float | str, unit: str | None = None) -> str:
+    """Typeset a value of an axis: `$C$ = 25 µN µs µm$^{-1}$`, `thickness 1.9 µm`.
+
+    unit: typeset; by default the internal unit
+    """
+    words, unit = WORDS[key], unit_of(key) if unit is None else unit
     sign = " = " if "$" in words else " "
     text = number(value).replace("-", "−") if key == "direction" else number(value)
-    return f"{words}{sign}{text} {unit if with_unit and value != math.inf else ''}".strip()
+    return f"{words}{sign}{text} {unit if value != math.inf else ''}".strip()
 
 
 def place_text(data: xr.Dataset, width: int = 50) -> str:
     """Typeset the place of a dataset on axes of a single value, in lines of `width` signs."""
     alone = (key for key in WORDS if key in data.coords and data[key].ndim == 0)
-    return captions.fill((value_text(key, data[key].item()) for key in alone), width)
+    texts = (value_text(k, data[k].item(), unit_of(k, data[k].attrs)) for k in alone)
+    return captions.fill(texts, width)
 
 
 def number(value: float | str, digits: int = 4) -> str:

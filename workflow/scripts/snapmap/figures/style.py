@@ -24,8 +24,6 @@ from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
 from ..files.atomic import replacing
-from ..study.provenance import unit_of_C
-from ..values.damper import damper_in
 
 SIGN = 0.62
 """Width of a sign over the size of its font, on average, with some room to spare."""
@@ -241,7 +239,7 @@ def saved(
 
     stem: path without ending; attributes: attributes of the dataset drawn; height: in inches
     """
-    with paper(), damper_in(unit_of_C(attributes)):
+    with paper():
         figure = double_column(height) if columns == 2 else single_column(height)
         yield figure
         save(figure, stem, attributes)

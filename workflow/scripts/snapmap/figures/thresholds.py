@@ -29,7 +29,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
     surface: thresholds over these two axes; of many lines some are drawn, evenly chosen
     """
     surface = curves.some_lines(surface, x, lines)
-    scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values))
+    scales.study_axis(ax, scale := scales.scale_of(x, surface[x].values, surface[x].attrs))
     scales.leave_space(ax, scale)
     _set_ends(ax, surface)
     # The limit of long pulses is no bound if a mass has a run-up, or if there is no such limit.
@@ -50,7 +50,7 @@ def draw_thresholds(ax: Axes, surface: xr.Dataset, x: str = "f0", lines: str = "
 
 def _set_ends(ax, surface):
     """Let the axis of N go as far as thresholds vary, whatever their limits are."""
-    ax.set(yscale="log", ylabel=scales.axis_label("N", surface.attrs))
+    ax.set(yscale="log", ylabel=scales.label_in(ax, "N", surface.attrs))
     error = surface.N_error.where(np.isfinite(surface.N_error), 0)
     N = xr.concat([surface.N_first - error, surface.N_first + error], "end")
     known = np.concatenate([np.ravel(ends) for ends in (N, surface.N_always, surface.N_latched)])
@@ -99,7 +99,7 @@ def _draw_gap(ax, curve, scale, colour):
 def title(surface: xr.Dataset, width: int) -> str:
     """Write what all curves have in common, in lines of at most `width` signs."""
     v = surface.velocity_change
-    symbols = [f"$C$ in {scales.unit_of('C')}"] if "C" in surface.dims else []
+    symbols = [f"$C$ in {scales.unit_of('C', surface.C.attrs)}"] if "C" in surface.dims else []
     if v.ndim < 2 and v.notnull().any():  # as it stands in the keys
         symbols.append("$\\Delta v$: velocity change, limit of short pulses")
     words = [captions.case(surface.attrs, width), scales.place_text(surface, width)]

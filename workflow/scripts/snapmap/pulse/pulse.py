@@ -6,13 +6,12 @@ from functools import cache, cached_property
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..files.tables import require_rising
 from ..files.text import plain, show
 from ..numerics.portable import sines
-from ..values.kinds import Number, Quantity, Single, Word
-from ..values.quantities import Share
+from ..values.kinds import Fitting, Quantity, Word
+from ..values.quantities import Share, single
 from ..values.records import record
 from ..values.units import numbers_in, unit_of
 
@@ -24,21 +23,14 @@ DIRECTIONS = {"+z": 1.0, "-z": -1.0}
 _ANY = "(-inf, inf)"
 
 
-class SeriesKind(Quantity):
-    """Numbers in any unit."""
-
-    def take(self, value: object) -> Number:
-        """Convert numbers, which stay in their unit."""
-        return Quantity(self.noun, unit_of(value) or "", interval=self.interval).take(value)
+def _series(value):
+    """Convert numbers, which stay in their unit."""
+    return Quantity("a plain number", unit_of(value) or "", interval=_ANY).take(value)
 
 
-Series = TypeAliasType(
-    "Series", Annotated[Sequence[float] | np.ndarray, SeriesKind("a plain number", interval=_ANY)]
-)
-Times = TypeAliasType(
-    "Times", Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
-)
-LASTS, COLUMNS = Single("a time", "us"), 6
+Series = Annotated[Sequence[float] | np.ndarray, Fitting("numbers", by=_series)]
+Times = Annotated[Sequence[float | str] | np.ndarray, Quantity("a time", "us", "1 ms", _ANY)]
+LASTS, COLUMNS = single("a time", "us"), 6
 G = 9.80665e-6
 """What a text means by g, um/us^2; N counts multiples of a device's own gravity."""
 NEAR_G = 0.01
@@ -318,7 +310,7 @@ SHAPES = {
     ),
 }
 """Makers of the pieces of each shape (`numerics.pieces`); rise, fall: shares of the duration."""
-ShapeName = TypeAliasType("ShapeName", Annotated[str, Word(tuple(SHAPES))])
+ShapeName = Annotated[str, Word(tuple(SHAPES))]
 
 
 @record

@@ -5,13 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from typing_extensions import TypeAliasType
-
 from ..files.named import naming, read_named
 from ..files.tables import read_table
 from ..files.text import NAME, is_name
 from ..values.kinds import Fitting
-from ..values.paths import ExistingPath
+from ..values.quantities import ExistingPath
 from .pulse import G, Pulse, sampled
 
 MOST_SAMPLES = 1_000_000
@@ -27,7 +25,7 @@ def _is_hash(value):
 
 
 _HASH = Fitting("the 64 hexadecimal digits of a SHA-256", _is_hash)
-Hash = TypeAliasType("Hash", Annotated[str, _HASH])
+Hash = Annotated[str, _HASH]
 
 
 def read_pulse(path: ExistingPath, sha256: Hash = "") -> Pulse:

@@ -5,11 +5,9 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
-from ..files.text import show
 from ..values.faults import at_key, line_at
-from ..values.kinds import Kind
+from ..values.kinds import Fitting
 from ..values.records import build
 from .pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, Pulse, make_pulse
 from .recorded import read_pulse
@@ -130,44 +128,36 @@ HANDOUT_SHOCK = Shocks()
 """A versed sine along +z, the default."""
 
 
-class PulseKind(Kind):
-    """A pulse, or several by name: what `make_shocks` takes."""
-
-    need = f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes"
-
-    def take(self, value: object) -> Pulse | Mapping[str, Pulse]:
-        """Make the pulse, or several by name."""
-        if isinstance(value, list | tuple):
-            pulses = [_pulse(section) for section in value]
-            if not pulses or len({pulse.name for pulse in pulses}) < len(pulses):
-                raise ValueError("a shape comes twice; write each once, or give them names")
-            return {pulse.name: pulse for pulse in pulses}
-        if isinstance(value, Mapping) and value and not value.keys() & SECTION:
-            return {str(name): _pulse(section) for name, section in value.items()}
-        if isinstance(value, Mapping) and isinstance(value.get("shape"), list):
-            return {form["shape"]: _pulse(form) for form in each_form(value)}
-        return _pulse(value)
+def _pulses(value):
+    """Make a pulse, or several by name."""
+    if isinstance(value, list | tuple):
+        pulses = [_pulse(section) for section in value]
+        if not pulses or len({pulse.name for pulse in pulses}) < len(pulses):
+            raise ValueError("a shape comes twice; write each once, or give them names")
+        return {pulse.name: pulse for pulse in pulses}
+    if isinstance(value, Mapping) and value and not value.keys() & SECTION:
+        return {str(name): _pulse(section) for name, section in value.items()}
+    if isinstance(value, Mapping) and isinstance(value.get("shape"), list):
+        return {form["shape"]: _pulse(form) for form in each_form(value)}
+    return _pulse(value)
 
 
-class DirectionKind(Kind):
-    """A direction, or several."""
-
-    need = "+z, -z, both, or a list of these"
-
-    def take(self, value: object) -> str | tuple[str, ...]:
-        """Give one of DIRECTIONS, or several."""
-        if value == "both":
-            return tuple(DIRECTIONS)
-        if isinstance(value, str) and value in DIRECTIONS:
-            return value
-        named = isinstance(value, list | tuple) and [*value]
-        if not named or not {*map(str, named)} <= {*DIRECTIONS} or len({*named}) < len(named):
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return tuple(named)
+def _directions(value):
+    """Give one of DIRECTIONS, or several."""
+    if value == "both":
+        return tuple(DIRECTIONS)
+    if isinstance(value, str) and value in DIRECTIONS:
+        return value
+    named = isinstance(value, list | tuple) and [*value]
+    if not named or not {*map(str, named)} <= {*DIRECTIONS} or len({*named}) < len(named):
+        raise _DIRECTIONS.refuse(value)
+    return tuple(named)
 
 
-Pulses = TypeAliasType("Pulses", Annotated[str | Pulse | Mapping | Sequence, PulseKind()])
-Directions = TypeAliasType("Directions", Annotated[str | Sequence[str], DirectionKind()])
+_PULSES = Fitting(f"one of {', '.join(SHAPES)}, or what sampled or read_pulse makes", by=_pulses)
+_DIRECTIONS = Fitting("+z, -z, both, or a list of these", by=_directions)
+Pulses = Annotated[str | Pulse | Mapping | Sequence, _PULSES]
+Directions = Annotated[str | Sequence[str], _DIRECTIONS]
 
 
 def each_form(section: Mapping) -> list[dict]:
@@ -192,10 +182,10 @@ def make_shocks(pulse=VERSED_SINE, direction="+z") -> Shocks:
         del pulse["direction"]
     pulse = VERSED_SINE if pulse == {} else pulse
     try:
-        pulse = PulseKind().take(pulse)
+        pulse = _PULSES.take(pulse)
     except ValueError as error:
         raise ValueError(line_at(("pulse",), str(error))) from None
-    return Shocks(pulse, DirectionKind().take(direction))
+    return Shocks(pulse, _DIRECTIONS.take(direction))
 
 
 def _pulse(section):
@@ -205,7 +195,7 @@ def _pulse(section):
     if isinstance(section, str) and section in SHAPES:
         return make_pulse(section)
     if not isinstance(section, Mapping):
-        raise ValueError(f"{show(section)} is not {PulseKind.need}")
+        raise _PULSES.refuse(section)
     if "file" in section:
         with at_key("file"):
             return read_pulse(section["file"], section.get("sha256", ""))

@@ -6,12 +6,11 @@ from dataclasses import KW_ONLY, replace
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..files.text import show
 from ..values.faults import at_key
-from ..values.kinds import Kind, Single, Whole
-from ..values.quantities import Height, PulseTime
+from ..values.kinds import Fitting, Whole
+from ..values.quantities import Height, PulseTime, single
 from ..values.records import build, record, told
 from .pulse import Form, G, Pulse, ShapeName
 
@@ -22,28 +21,19 @@ LEAST_REBOUND = 0.05
 MOST_BLOWS = 100_000
 
 
-class PeakKind(Kind):
-    """The peak of a blow, which is not 0."""
-
-    need = "a plain number"
-
-    def take(self, value: object) -> float:
-        """Convert a number."""
-        number = Single("a plain number", "", "2", "(-inf, inf)").take(value)
-        if number == 0:
-            raise ValueError("0 is no blow; write a number above or below 0, or a wait")
-        return number
-
-    def schema(self) -> dict:
-        """Describe a number."""
-        return {"type": "number"}
+_NUMBER = single("a plain number", "", "2", "(-inf, inf)")
 
 
-Peak = TypeAliasType("Peak", Annotated[float, PeakKind()])
-Times = TypeAliasType("Times", Annotated[int, Whole(1)])
-Rebound = TypeAliasType(
-    "Rebound", Annotated[float, Single("a plain number", "", "0.3", "[0, 0.99]")]
-)
+def _peak(value):
+    number = _NUMBER.take(value)
+    if number == 0:
+        raise ValueError("0 is no blow; write a number above or below 0, or a wait")
+    return number
+
+
+Peak = Annotated[float, Fitting("a plain number", by=_peak, json={"type": "number"})]
+Times = Annotated[int, Whole(1)]
+Rebound = Annotated[float, single("a plain number", "", "0.3", "[0, 0.99]")]
 
 
 @record

@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..files.named import inside, naming, read_named, sha256_of
-from ..files.text import describe, show
-from ..values.damper import INTERNAL
-from ..values.kinds import Fitting, Kind, Number
+from ..files.text import show
+from ..values.arguments import Argument, Reading, convert
+from ..values.faults import Faults, within
+from ..values.kinds import ANYTHING, Fitting, Kind, Number
 from ..values.quantities import Value
-from ..values.units import require_unit
+from ..values.units import OF_DAMPER, require_unit
 
 logger = logging.getLogger("snapmap")
 PARAMETERS = {
@@ -34,7 +34,7 @@ LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
 
 
-Law = TypeAliasType("Law", Annotated[Callable, Fitting("a function of numbers", callable)])
+Law = Annotated[Callable, Fitting("a function of numbers", callable)]
 UNIT = "unit_of_C"
 """Name, beside the laws, of the unit in which the damping counts C."""
 MODULE = "laws_of_a_study"
@@ -61,7 +61,7 @@ class Laws:
     force: Callable | None = None
     file: str = ""
     sha256: str = ""
-    unit_of_C: str = INTERNAL
+    unit_of_C: str = OF_DAMPER
 
     def __str__(self):
         """Name the file, or the functions, as in attributes of products."""
@@ -80,7 +80,7 @@ def compile_laws(functions: Mapping[str, object]) -> Laws:
     if UNIT in functions and "damping" not in laws:
         raise ValueError(f"model.laws: {UNIT}: needs a law of damping; leave it out")
     with naming(f"model.laws: {UNIT}"):
-        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, INTERNAL)))
+        return Laws(**laws, unit_of_C=require_unit(functions.get(UNIT, OF_DAMPER)))
 
 
 @contextmanager
@@ -156,33 +156,39 @@ class LawsKind(Kind):
 
     need = "the path of a Python file with laws, or functions by name"
     asks = "the path of a Python file in the study's folder"
+    type = str | Mapping[str, Callable]
 
-    def take(self, value: object) -> Laws:
-        """Take laws, or read a file."""
+    def convert(self, value: object, reading: Reading) -> Laws:
+        """Take laws, or read a file, of a config one in the study's folder."""
         if isinstance(value, Laws):
             return value
-        are_functions = isinstance(value, Mapping) and value.keys() <= {*PARAMETERS, UNIT}
-        if not are_functions and not isinstance(value, str):
-            raise ValueError(f"{show(value)} is not {self.need}")
+        is_path = isinstance(value, str) and value
+        if not is_path and (reading.written or not isinstance(value, Mapping)):
+            raise self.refuse(value, reading)
+        functions = {} if is_path else _of_names(value)
         try:
-            if isinstance(value, Mapping):
-                return compile_laws(value)
-            return load_laws(str(value), sha256_of(str(value), *LAWS))
+            if functions:
+                return compile_laws(functions)
+            path = inside(value) if reading.written else value
+            return load_laws(path, sha256_of(path, *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
-
-    def read(self, value: object) -> Laws:
-        """Read a file in the study's folder."""
-        if not (isinstance(value, str) and value):
-            raise ValueError(f"{describe(value)} is not {self.asks}")
-        return self.take(inside(value))
 
     def schema(self) -> dict:
         """Describe a path."""
         return {"type": "string"}
 
 
-UserLaws = TypeAliasType("UserLaws", Annotated[Value, LawsKind()])
+def _of_names(functions):
+    """Refuse functions that are no laws."""
+    known = dict.fromkeys([*PARAMETERS, UNIT], Argument(ANYTHING, is_optional=True))
+    try:
+        return convert(known, functions, unknown="is not a law")
+    except Faults as faults:
+        raise Faults(*map(within, faults.args)) from None
+
+
+UserLaws = Annotated[Value, LawsKind()]
 
 
 @cache

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from typing_extensions import TypeAliasType
-
 from ..files.text import describe, show
-from ..values.damper import INTERNAL
+from ..values.arguments import Reading, nearest
 from ..values.faults import Faults
 from ..values.fields import hints
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.reading import read_part
 from ..values.records import build, record, told
+from ..values.units import OF_DAMPER
 from .laws import UNIT, UserLaws
 
 TOLERANCE = 1e-3
@@ -98,55 +96,63 @@ class Reference:
 
 Chosen = Auto | Cosines | Elements | Reference
 MODELS = {made.name: made for made in (Auto, Cosines, Elements, Reference)}
+PARTS = {"cosines": "modes", "elements": "elements"}
+"""Option that a number before the name of a model gives."""
 
 
 class ModelKind(Kind):
     """A model: its name, a mapping of name and options, or a record."""
 
-    need = f"one of {', '.join(MODELS)}"
+    need = f"one of {', '.join(MODELS)}, or a number with it, as '3 cosines'"
     records = tuple(MODELS.values())
     asks = f"a mapping of name, one of {', '.join(MODELS)}, and options"
 
-    def take(self, value: object) -> Chosen:
-        """Give the record of a value of Python."""
-        if isinstance(value, Chosen):
-            return value
+    def convert(self, value: object, reading: Reading) -> Chosen:
+        """Give the record of a value."""
         if isinstance(value, Mapping):
-            return build(self._named(value, show), value)
-        if not isinstance(value, str) or value not in MODELS:
-            raise ValueError(f"{show(value)} is not {self.need}")
+            return self._of_section(value, reading)
+        if not reading.written:
+            if isinstance(value, Chosen):
+                return value
+            if isinstance(value, str):
+                return self._of_name(value)
+        raise self.refuse(value, reading)
+
+    def _of_name(self, value):
+        """Make a model by its name, behind a number of parts or not."""
+        number, _, name = value.rpartition(" ")
+        if name in PARTS and number.isdigit():
+            return build(MODELS[name], {PARTS[name]: int(number)})
+        if value not in MODELS:
+            near = nearest(value, MODELS)
+            raise ValueError(f"{self.refuse(value)}{f'; did you mean {near}?' if near else ''}")
         return MODELS[value]()
 
-    def read(self, value: object) -> Chosen:
-        """Read a section of a config."""
-        if not isinstance(value, Mapping):
-            raise ValueError(f"{describe(value)} is not {self.asks}")
-        wrong: tuple[str, ...] = ()
+    def _of_section(self, value, reading):
+        """Read a section; of an unknown name, as the model that has most of its options."""
+        wrong, name = [], value.get("name")
+        if "name" not in value:
+            wrong = [f".name: missing; write one of {', '.join(MODELS)}"]
+        elif name not in [*MODELS]:
+            say = describe if reading.written else show
+            near = nearest(str(name), MODELS)
+            hint = f"; did you mean {near}?" if near else ""
+            wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{hint}"]
+        elif name in (Auto.name, Reference.name) and "laws" in value:
+            wrong = [f".laws: {name} takes none; write name: elements, or cosines"]
+            value = {key: value[key] for key in value if key != "laws"}
+        likely = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
+        made = MODELS[name] if name in [*MODELS] else likely
         try:
-            made = self._named(value, describe)
-        except ValueError as error:  # the options are those of the model that has most of them
-            wrong = (str(error),)
-            made = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
-        try:
-            model = read_part(made, {**value, "name": made.name})
+            model = build(made, {**value, "name": made.name}, reading)
         except Faults as faults:
             wrong += faults.args
         if wrong:
             raise Faults(*wrong)
         return model
 
-    def _named(self, value, say):
-        if "name" not in value:
-            raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
-        if value["name"] not in [*MODELS]:
-            raise ValueError(f".name: {say(value['name'])} is not one of {', '.join(MODELS)}")
-        made = MODELS[value["name"]]
-        if made in (Auto, Reference) and "laws" in value:
-            raise ValueError(f".laws: {made.name} takes none; write name: elements, or cosines")
-        return made
 
-
-Model = TypeAliasType("Model", Annotated[str | Chosen | Mapping, ModelKind()])
+Model = Annotated[str | Chosen | Mapping, ModelKind()]
 
 
 def section_of(chosen: Chosen) -> dict[str, object]:
@@ -155,5 +161,5 @@ def section_of(chosen: Chosen) -> dict[str, object]:
     if chosen.laws:
         options["laws"] = str(chosen.laws)
         options |= {"sha256": chosen.laws.sha256} if chosen.laws.file else {}
-        options |= {UNIT: unit} if (unit := chosen.laws.unit_of_C) != INTERNAL else {}
+        options |= {UNIT: unit} if (unit := chosen.laws.unit_of_C) != OF_DAMPER else {}
     return {"name": chosen.name} | options

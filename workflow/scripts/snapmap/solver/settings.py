@@ -1,7 +1,8 @@
 """Settings of the runs of a study."""
 
+from dataclasses import KW_ONLY, fields
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, Self
 
 from ..values.quantities import Duration, Fraction, Threads, Truth
 from ..values.records import assemble, record
@@ -23,14 +24,9 @@ THRESHOLD_TOLERANCE = 1e-4
 
 @record
 class Run:
-    """How each cell is followed.
+    """How each cell is followed."""
 
-    Examples
-    --------
-    >>> snapmap.Run(horizon="0.5 ms", until="snap").horizon
-    500.0
-    """
-
+    _: KW_ONLY
     horizon: Duration = 1500.0
     """time followed after the pulse's end"""
     until: Literal["settled", "snap"] = "settled"
@@ -46,29 +42,41 @@ class Run:
     threads: Threads = 1
     """number of threads, which change no result"""
 
-    def __post_init__(self):
-        """Decide whether cells run again."""
-        if self.repeat is None:
-            object.__setattr__(self, "repeat", self.until == "settled")
+    @property
+    def repeats(self) -> bool:
+        """Whether cells run again."""
+        return self.until == "settled" if self.repeat is None else self.repeat
 
     @property
     def question(self) -> str:
         """The one of QUESTIONS that the runs answer."""
         return QUESTION[self.until]
 
-    def but(self, **values: object) -> "Run":
+    def but(self, **values: object) -> Self:
         """Return the same with other values; `until` may be any word of QUESTION."""
-        return _with(self, tuple(values.items()))
+        if type(self) is Run:
+            return _with(self, tuple(values.items()))
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        return assemble(type(self), own | values)
+
+    @property
+    def run(self) -> "Run":
+        """These values alone."""
+        return assemble(Run, {key: getattr(self, key) for key in OF_RUN})
 
     def section(self) -> dict:
         """Return the section of a config, in a unique spelling, without threads."""
-        values = {key: value for key, value in vars(self).items() if key != "threads"}
+        values = {key: getattr(self, key) for key in OF_RUN if key != "threads"}
         if self.start == FIRST:
             del values["start"]
-        return values | {"horizon": f"{self.horizon:.15g} us"}
+        return values | {"repeat": self.repeats, "horizon": f"{self.horizon:.15g} us"}
 
 
 @lru_cache(maxsize=64)
 def _with(run, changes):
     """Assemble settings with other values once, as each call of a search asks for the same."""
     return assemble(Run, vars(run) | dict(changes))
+
+
+OF_RUN = tuple(field.name for field in fields(Run))
+"""Names of the values of a run."""

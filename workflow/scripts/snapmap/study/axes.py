@@ -9,7 +9,7 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ..pulse.shocks import HANDOUT_SHOCK, Shocks
 from ..solver.cells import Rows, to_rows
 from ..values.kinds import Quantity, kind_of
 from ..values.quantities import Amplitude, Damper, Frequency, PulseTime
-from ..values.units import spelling
+from ..values.units import OF_DAMPER, spelling
 
 SHOCK_AXES = ("C", "f0", "N")
 DEVICE = "device"
@@ -50,15 +50,43 @@ with open(Path(__file__).with_suffix(".csv"), encoding="utf-8") as _file:
 """Long name of each quantity that can be an axis, by name."""
 
 
-def attributes_of(name: str) -> dict[str, str]:
+def unit_on(name: str, unit_of_C: str = OF_DAMPER) -> str:
+    """Give the unit of an axis, as a config spells it; a user's own law may state that of C."""
+    return unit_of_C if name == "C" else KIND_OF[name].unit
+
+
+def attributes_of(name: str, unit_of_C: str = OF_DAMPER) -> dict[str, str]:
     """Give the CF attributes of a quantity; none of one that cannot be an axis."""
-    units = {"units": spelling(KIND_OF[name].unit).files} if name in KIND_OF else {}
+    units = {"units": spelling(unit_on(name, unit_of_C)).files} if name in KIND_OF else {}
     return {"long_name": COORDINATES[name]} | units if name in COORDINATES else {}
 
 
 def duration_of(f0: float) -> float:
     """Give the duration, ms, of a pulse by f0, Hz, to 12 digits, as an f0 of 0.9 ms has 14."""
     return float(f"{1e3 / f0:.12g}")
+
+
+def frequency_of(duration: float) -> float:
+    """Give the frequency, Hz, of a pulse by its duration, us, to 14 digits: 0.5 ms is 2000 Hz."""
+    return float(f"{1e6 / duration:.14g}")
+
+
+def frequencies(f0: Any, duration: Any) -> Any:
+    """Give f0, Hz, or that of durations, us; None where both are."""
+    if duration is None:
+        return f0
+    if np.ndim(duration):
+        return np.array([frequency_of(each) for each in duration])
+    return frequency_of(duration)
+
+
+def one_time(written: Mapping, lasts_itself: bool = False) -> dict[str, str]:
+    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
+    if "f0" in written and "duration" in written:
+        return {"duration": "excludes f0, which is 1/duration; write one of them"}
+    if "f0" in written or "duration" in written or lasts_itself:
+        return {}
+    return {"f0": "missing; write f0 or duration"}
 
 
 class Grid(NamedTuple):
@@ -155,10 +183,12 @@ def _vary(devices, point):
         raise
 
 
-def point_text(point: Mapping[str, float | str]) -> str:
+def point_text(point: Mapping[str, float | str], unit_of_C: str = OF_DAMPER) -> str:
     """Write the place of a point on its axes, with units, for messages."""
     return ", ".join(
-        f"{key} = {value}" if key in NAMES else f"{key} = {value:.6g} {KIND_OF[key].unit}".rstrip()
+        f"{key} = {value}"
+        if key in NAMES
+        else f"{key} = {value:.6g} {unit_on(key, unit_of_C)}".rstrip()
         for key, value in point.items()
     )
 

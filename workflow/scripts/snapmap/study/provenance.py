@@ -13,7 +13,6 @@ from pathlib import Path
 
 from .. import __version__
 from ..device.device import ALONE, KINDS, Device
-from ..values.damper import INTERNAL
 from ..values.records import told
 
 KEYWORDS = "bistable beam, snap-through, MEMS, shock sensor"
@@ -65,16 +64,6 @@ def versions() -> dict[str, str]:
 def config_of(attributes: Mapping[str, str]) -> dict:
     """Give the config in the attributes of a product; empty without one."""
     return json.loads(attributes.get("config", "{}"))
-
-
-def unit_of_C(attributes: Mapping[str, str]) -> str:
-    """Give the unit of C, as a config spells it, by the attributes of a product.
-
-    What checks the product tells of a `config` that is not JSON.
-    """
-    with suppress(ValueError):
-        return config_of(attributes).get("model", {}).get("unit_of_C", INTERNAL)
-    return INTERNAL
 
 
 @cache

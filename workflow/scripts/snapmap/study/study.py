@@ -6,17 +6,15 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ..device.device import Device
-from ..files.text import show
 from ..pulse.shocks import HANDOUT_SHOCK, Directions, Pulses, Shocks
 from ..solver.options import Auto, Model, section_of
 from ..solver.settings import Run
-from ..values.damper import INTERNAL
-from ..values.kinds import Kind
+from ..values.kinds import Fitting
 from ..values.quantities import Truth
 from ..values.records import record
+from ..values.units import OF_DAMPER
 from .axes import DEVICE, Grid, make_grid
 from .provenance import device_sections
 
@@ -37,24 +35,19 @@ def _is_single(device):
     return not any(np.ndim(getattr(part, field.name)) for part in parts for field in fields(part))
 
 
-class DevicesKind(Kind):
-    """A device, or several by name."""
-
-    need = "a Device of single values, or several by name; load_device reads one"
-
-    def take(self, value: object) -> Device | Mapping[str, Device]:
-        """Take a device, or a mapping of names to devices."""
-        named = value.values() if isinstance(value, Mapping) and value else [value]
-        if not all(map(_is_single, named)):
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return value
+def _are_single(value):
+    named = value.values() if isinstance(value, Mapping) and value else [value]
+    return all(map(_is_single, named))
 
 
-Devices = TypeAliasType("Devices", Annotated[Device | Mapping[str, Device], DevicesKind()])
+DEVICES = Fitting(
+    "a Device of single values, or several by name; load_device reads one", _are_single
+)
+Devices = Annotated[Device | Mapping[str, Device], DEVICES]
 
 
 @record
-class Study:
+class Study(Run):
     """A device, or several, under a shock; what every function works on.
 
     A Device alone is taken as a study of it.
@@ -62,20 +55,19 @@ class Study:
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> snapmap.Study(device, model="cosines", run={"horizon": "0.5 ms"}).run.horizon
-    500.0
+    >>> study = snapmap.Study(device, "3 cosines", until="snap", horizon="0.5 ms")
+    >>> study.model, study.horizon
+    (Cosines(modes=3), 500.0)
     """
 
     device: Devices
     """one device, or several by name, which are an axis"""
     model: Model = Auto()
-    """how a cell is simulated: one of the models, or its name"""
+    """how a cell is simulated: a model, its name, or with a number, as "3 cosines\""""
     pulse: Pulses = HANDOUT_SHOCK.pulse
     """the shock: a shape, a Pulse, or a train or drop as in a config; several are an axis"""
     direction: Directions = "+z"
     """+z presses the mass on the beam; several, or both, are an axis"""
-    run: Run = Run()
-    """how each cell is followed"""
     skip: Truth = False
     """whether devices without a second stable shape are left out, not refused"""
 
@@ -97,7 +89,7 @@ class Study:
     @property
     def unit_of_C(self) -> str:
         """Unit of C, as a config spells it: a user's own law may state one."""
-        return self.model.laws.unit_of_C if self.model.laws else INTERNAL
+        return self.model.laws.unit_of_C if self.model.laws else OF_DAMPER
 
     def devices(self) -> dict[str, Device]:
         """Give the devices by name; a single one is called `device`."""
@@ -131,6 +123,6 @@ class Study:
 
         keys: names of the values of the run to include; all by default
         """
-        run, sections = self.run.section(), device_sections(self.device) | self.shocks.section()
+        run, sections = self.section(), device_sections(self.device) | self.shocks.section()
         run = {key: run[key] for key in keys or run if key in run}
         return sections | {"model": section_of(self.model), "run": run}

@@ -9,9 +9,9 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 import xarray as xr
-from typing_extensions import TypeAliasType
 
 from ..values.kinds import Fitting
+from ..values.units import OF_DAMPER
 from .axes import attributes_of
 from .provenance import provenance
 
@@ -21,7 +21,7 @@ def _has_flags(value):
 
 
 _FLAGS = Fitting("a variable with flag_meanings, such as cube.outcome", _has_flags)
-FlagVariable = TypeAliasType("FlagVariable", Annotated[xr.DataArray, _FLAGS])
+FlagVariable = Annotated[xr.DataArray, _FLAGS]
 _HERE = Path(__file__)
 TABLES = [_HERE.with_suffix(".csv"), *sorted(_HERE.parents[1].glob("applications/*/variables.csv"))]
 """Tables of the core, and of each application in its folder."""
@@ -49,9 +49,9 @@ def dress(product: str, dataset: xr.Dataset, document: Mapping, **attributes) ->
     Attributes that a variable has already are kept.
     """
     about = variables(product)
-    head = about[""]
+    head, unit_of_C = about[""], document.get("model", {}).get("unit_of_C", OF_DAMPER)
     for key, variable in dataset.variables.items():
-        variable.attrs = about.get(key, attributes_of(key)) | variable.attrs
+        variable.attrs = about.get(key, attributes_of(key, unit_of_C)) | variable.attrs
     return dataset.assign_attrs(
         Conventions="CF-1.11, ACDD-1.3",
         title=head["long_name"],
@@ -97,7 +97,7 @@ def words(variable: FlagVariable) -> xr.DataArray:
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25)
     >>> (snapmap.words(cube.outcome) == "snapped").values.ravel().tolist()
     [False, True]

@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..files.atomic import is_whole
 from ..study.axes import NAMES
-from ..values.paths import ExistingPath
+from ..values.quantities import ExistingPath
 from .cube import as_cube, require_codes, require_cube, with_summary
 from .slabs import REMEDY, open_slab
 

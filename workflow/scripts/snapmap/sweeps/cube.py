@@ -12,9 +12,9 @@ from ..solver.adaptive import choose_model
 from ..solver.options import TOLERANCE
 from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
 from ..study.arguments import AnyStudy, Axes
-from ..study.axes import NAMES, rows_of
+from ..study.axes import NAMES, frequencies, rows_of
 from ..study.variables import dress, flags, variables
-from ..values.quantities import Amplitudes, Dampers, Frequencies
+from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes
 from .grid import Observers, follow_rows
 
 LABEL_DISTANCE = 0.01
@@ -48,6 +48,7 @@ def sweep(
     f0: Frequencies | None,
     C: Dampers,
     *,
+    duration: PulseTimes | None = None,
     axes: Axes | None = None,
     observers: Observers = (),
 ) -> xr.Dataset:
@@ -63,6 +64,8 @@ def sweep(
         Frequencies of the pulse, Hz, each once; None for a recorded shock.
     C
         Dampings of the mass, uN us/um, each once.
+    duration
+        Durations of the pulse, us, in place of f0.
     axes
         Values of the device, internal units, by name.
 
@@ -81,12 +84,12 @@ def sweep(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"until": "snap"})
+    >>> study = snapmap.Study(device, model="cosines", until="snap")
     >>> cube = snapmap.sweep(study, [800, 1100], 1500, 25, axes={"thickness": [1.9, 2.0]})
     >>> cube.t_snap.notnull().squeeze().values.tolist()
     [[False, True], [False, True]]
     """
-    axes = {**(axes or {}), "C": C, "f0": f0, "N": N}
+    axes = {**(axes or {}), "C": C, "f0": frequencies(f0, duration), "N": N}
     cells = math.prod(np.size(values) for values in axes.values() if values is not None)
     if cells > MOST_CELLS:
         raise ValueError(
@@ -94,7 +97,7 @@ def sweep(
             "fewer, or a config"
         )
     grid = study.set_out(axes)
-    built = choose_model(grid.device, study.model, study.run.start)
+    built = choose_model(grid.device, study.model, study.start)
     values = follow_rows(built, rows_of(grid), grid.axes["N"], study.run, observers)
     values = {key: column.reshape(grid.shape) for key, column in values.items()}
     return with_summary(as_cube(grid.axes, values, study.document()))

@@ -29,7 +29,7 @@ def follow_rows(
     cells = rows.take(exists).cells(model.device, N[order], settings.horizon)
     first = model.follow(cells, settings)
     variables = _variables(first, settings)
-    if settings.repeat:
+    if settings.repeats:
         again = model.with_step(REPEATED_STEP).follow(cells, settings)
         variables |= _repeated(variables, _variables(again, settings))
         for compare in (work_error, t_snap_error):

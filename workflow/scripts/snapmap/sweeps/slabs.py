@@ -36,7 +36,7 @@ def slab_name(study: Study, slab: Slab) -> str:
     names = study.devices(), study.shocks.shapes, study.shocks.directions
     named = zip(NAMES, names, strict=True)
     fixed = [_meaning(study, key, name) for key, all in named if key not in slab for name in all]
-    common = [fixed, section_of(study.model), study.run.section(), [*slab]]
+    common = [fixed, section_of(study.model), study.section(), [*slab]]
     plain = json.dumps(common, sort_keys=True, default=np.ndarray.tolist)
     values = ", ".join(map(_text, _identified(study, slab).values()))
     return "_".join(_digest(text.encode()) for text in (plain, f"[{values}]"))
@@ -156,7 +156,7 @@ def _follow_unknown(grid, study, observers, variables, known):
     """Follow unknown cells, rows with the same gaps at once, and put them into the variables."""
     if known.all():
         return
-    built = choose_model(grid.device, study.model, study.run.start)
+    built = choose_model(grid.device, study.model, study.start)
     rows, N = rows_of(grid), grid.axes["N"]
     unknown = ~known.reshape(-1, N.size)
     patterns, pattern_of = np.unique(unknown, axis=0, return_inverse=True)

@@ -238,7 +238,7 @@ def thresholds_at(
         devices = batch_of([study.device]).pick(np.zeros_like(places)).vary(made)
         shock = (np.broadcast_to(a, size)[exists] for a in (f0, C, pulse))
         rows = to_rows(places, *shock, study.shocks.pulses)
-        models = choose_survey(devices, study.model, study.run.start)
+        models = choose_survey(devices, study.model, study.start)
         search = Search(models, rows, study.run)
         numbers = np.full(size, -1)
         numbers[exists] = places

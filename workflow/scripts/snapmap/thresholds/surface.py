@@ -10,10 +10,10 @@ from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.settings import THRESHOLD_TOLERANCE
 from ..study.arguments import AnyStudy, Axes
-from ..study.axes import Grid, rows_of
+from ..study.axes import Grid, frequencies, rows_of
 from ..study.study import OF_THRESHOLDS, Study
 from ..study.variables import as_dataset, dress, flags
-from ..values.quantities import Dampers, Frequencies, Positive, Refinement
+from ..values.quantities import Dampers, Frequencies, Positive, PulseTimes, Refinement
 from .cost import tell_cost
 from .effort import CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
 from .limits import limits_of, slow_law
@@ -35,6 +35,7 @@ def threshold(
     f0: Frequencies | None,
     C: Dampers,
     *,
+    duration: PulseTimes | None = None,
     tolerance: Refinement = THRESHOLD_TOLERANCE,
     highest: Positive | None = None,
     axes: Axes | None = None,
@@ -49,6 +50,8 @@ def threshold(
         Frequencies of the pulse, Hz, each once; None for a recorded shock.
     C
         Dampings of the mass, uN us/um, each once.
+    duration
+        Durations of the pulse, us, in place of f0.
     tolerance
         Relative step of N at which the search ends; only the digits that `N_error` allows count.
     highest
@@ -78,7 +81,8 @@ def threshold(
     >>> thresholds.N_first.squeeze().round().values.tolist()
     [893.0, 990.0]
     """
-    return thresholds_of(study, {**(axes or {}), "C": C, "f0": f0}, tolerance, highest)
+    axes = {**(axes or {}), "C": C, "f0": frequencies(f0, duration)}
+    return thresholds_of(study, axes, tolerance, highest)
 
 
 def thresholds_of(
@@ -96,7 +100,7 @@ def thresholds_of(
     grid = study.set_out(axes)
     search = search_of(study, grid)._replace(tolerance=tolerance, highest=highest)
     columns, rows, decides = _search(search, grid), search.rows, search.models.decides
-    columns["N_bound"][least_amplitudes(decides, rows, study.run.start) == 0] = np.nan
+    columns["N_bound"][least_amplitudes(decides, rows, study.start) == 0] = np.nan
     warn_of_bars(columns["N_first"], columns["N_error"], tolerance)
     columns["N_latched"] = _find_latched(search, columns)
     peak = np.array([pulse.peak for pulse in rows.pulses])
@@ -121,7 +125,7 @@ def first_snaps(
 
 def search_of(study: Study, grid: Grid) -> Search:
     """Make the search for the thresholds of a grid of a study."""
-    models = choose_survey(grid.device, study.model, study.run.start)
+    models = choose_survey(grid.device, study.model, study.start)
     return Search(models, rows_of(grid), study.run)
 
 

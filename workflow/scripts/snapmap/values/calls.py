@@ -2,91 +2,85 @@
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
+import re
+from collections.abc import Callable, Mapping
+from types import NoneType
 from typing import Any, get_args
 
-from .faults import Faults, line_at
-from .fields import taken
-from .kinds import kind_of
+from .arguments import Argument, Reading, by_name, convert
+from .faults import Faults, WrongCall
+from .kinds import argument_of
+
+FOLDERS = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z]|ndarray)")
+"""The module before a type's name."""
 
 
 def checked(
-    function: Callable, elsewhere: Mapping[str, str], prepare: Callable, around: Callable
+    function: Callable, elsewhere: Mapping[str, str], prepare: Callable, unit_of_C: Callable
 ) -> Callable:
     """Wrap a function so that its arguments are converted by their kinds.
 
     elsewhere: where a value that the function does not take belongs, by its name
     prepare: takes function and arguments by name, and gives a context in which the function runs
-    around: takes the arguments as they are, and gives a context for their conversion, too
-    A call raises TypeError for arguments that are missing or too many, and ValueError for wrong
-    ones; a line for each.
+    unit_of_C: takes the arguments by name as they are, and gives the unit in which C counts
+    A wrong call raises WrongCall, a line for each argument that is wrong, missing or too many.
     """
-    parameters = inspect.signature(function).parameters
-    converters = {key: taking(parameter.annotation) for key, parameter in parameters.items()}
+    signature = inspect.signature(function)
+    parameters = signature.parameters
+    arguments = {
+        key: argument_of(part.annotation, part.default is not part.empty)
+        for key, part in parameters.items()
+    }
+    unknown = "is not an argument"
 
     @functools.wraps(function)
     def call(*positional: Any, **named: Any) -> Any:
-        values, faults = by_name(function.__name__, parameters, positional, named, elsewhere)
-        if faults:
-            raise TypeError("\n".join(faults))
-        with around(values):
-            convert(values, converters)
-            with prepare(function, values):
-                return function(**values)
+        given, faults = by_name(function.__name__, parameters, positional, named)
+        faults |= _one_time(arguments, given)
+        reading = Reading(unit_of_C=unit_of_C(given))
+        try:
+            values = convert(arguments, given, reading, faults, unknown, elsewhere)
+        except Faults as error:
+            raise WrongCall(*error.args) from None
+        with prepare(function, values):
+            return function(**values)
 
+    call.__signature__ = shown(signature, arguments)
     return call
 
 
-def taking(hint: object) -> Callable | None:
-    """Give what converts a value of Python by the kind of an annotation; None if that has none."""
-    kind = kind_of(hint)
-    return kind and optional(kind.take, hint)
+def _one_time(arguments, given):
+    """Let f0 be left out beside a duration, which excludes it; returns lines by name."""
+    if not {"f0", "duration"} <= arguments.keys():
+        return {}
+    if "duration" in given:
+        both = given.setdefault("f0") is not None and given["duration"] is not None
+        return {"duration": "excludes f0, which is 1/duration; write one of them"} if both else {}
+    is_missing = "f0" not in given and not arguments["f0"].is_optional
+    return {"f0": "missing; write f0 or duration"} if is_missing else {}
 
 
-def optional(converter: Callable, hint: object) -> Callable:
-    """Let None through a converter if an annotation does."""
-    if type(None) not in get_args(hint):
-        return converter
-    return lambda value: None if value is None else converter(value)
+class _Words(str):
+    """Words that a signature shows as they are."""
+
+    __repr__ = str.__str__
 
 
-def convert(
-    values: dict[str, Any], converters: Mapping[str, Callable | None], faults: Sequence[str] = ()
-) -> None:
-    """Convert values in place, by name; raises Faults, a line for each, behind those known."""
-    faults = [*faults]
-    for key, converter in converters.items():
-        if converter and key in values:
-            try:
-                values[key] = converter(values[key])
-            except ValueError as error:
-                faults += [line_at((key,), line) for line in str(error).splitlines()]
-    if faults:
-        raise Faults(*faults)
+def shown(signature: inspect.Signature, arguments: Mapping[str, Argument]) -> inspect.Signature:
+    """Give a signature whose types are those that a reader knows."""
+    parameters = [
+        part.replace(annotation=_typed(part.annotation, arguments[key].kind))
+        for key, part in signature.parameters.items()
+    ]
+    returned = _typed(signature.return_annotation, None)
+    return signature.replace(parameters=parameters, return_annotation=returned)
 
 
-def by_name(
-    function: str,
-    parameters: Mapping[str, inspect.Parameter],
-    positional: Sequence,
-    named: Mapping[str, Any],
-    elsewhere: Mapping[str, str],
-) -> tuple[dict[str, Any], list[str]]:
-    """Give the arguments of a call by name, and lines on those that are missing or too many."""
-    first = [key for key, part in parameters.items() if part.kind is not part.KEYWORD_ONLY]
-    faults = []
-    if len(positional) > len(first):
-        faults = [f"{function}: takes {len(first)} arguments without a name, not {len(positional)}"]
-    values = dict(zip(first, positional, strict=False))
-    faults += [f"{key}: comes twice; write it once" for key in values if key in named]
-    for key in named:
-        if key not in parameters:
-            near = get_close_matches(key, [*parameters, *elsewhere], 3, 0.8)
-            near.sort(key=lambda word: sorted(word) != sorted(key))  # two letters changed places
-            hint = f"; did you mean {near[0]}?" if near else f" of {function}"
-            faults.append(f"{key}: is not an argument{elsewhere.get(key, hint)}")
-    for key, part in parameters.items():
-        if part.default is part.empty and key not in values and key not in named:
-            faults.append(f"{key}: missing; write {taken(part.annotation)}")
-    return values | named, faults
+def _typed(hint, kind):
+    """Name the type of an annotation."""
+    noted = next((p for p in (hint, *get_args(hint)) if hasattr(p, "__metadata__")), None)
+    if noted:
+        own = noted.__origin__
+        shown = kind.type if own is Any else own
+        hint = shown | None if NoneType in get_args(hint) else shown
+    return _Words(FOLDERS.sub("", inspect.formatannotation(hint)))

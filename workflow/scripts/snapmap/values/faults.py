@@ -9,7 +9,7 @@ from ..files.text import describe
 MOST_ALIKE = 3
 """Most faults of items of a list that have a line each."""
 LONGEST_KEY = 40
-_BEGINS = re.compile(r"[A-Za-z_]\w*(\.\w+|\[\d+\])*: ")
+_BEGINS = re.compile(r"[A-Za-z_]\w*(\.\w+|\[[^]]*\])*: ")
 _WITHIN = re.compile(r"(\.[A-Za-z_]\w*|\[[^]]*\])+: ")
 
 
@@ -19,6 +19,10 @@ class Faults(ValueError):
     def __str__(self):
         """Write all lines."""
         return "\n".join(self.args)
+
+
+class WrongCall(Faults, TypeError):
+    """Faults of a call: of names and of values."""
 
 
 def few(lines: Sequence[str]) -> list[str]:

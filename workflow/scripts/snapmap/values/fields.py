@@ -2,14 +2,13 @@
 
 import ast
 import inspect
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from itertools import pairwise
 from math import inf
 from textwrap import dedent
-from typing import Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 from .kinds import Quantity, kind_of
 
@@ -21,39 +20,11 @@ def hints(made: type) -> dict[str, Any]:
     return {field.name: found[field.name] for field in fields(made)}
 
 
-def record_in(hint: object) -> type | None:
-    """Find the record in an annotation, also of an optional value."""
-    parts = (hint, *get_args(hint))
-    return next((part for part in parts if isinstance(part, type) and is_dataclass(part)), None)
-
-
 def beside(made: type, written: Mapping) -> dict[str, str]:
     """Find values that lack or exclude each other; returns lines by key."""
     if not hasattr(made, "beside"):
         return {}
     return made.beside({key: value for key, value in written.items() if value is not None})
-
-
-def need_of(hint: object) -> str:
-    """Say what is right for an annotation, in words that follow "is not" or "write"."""
-    parts = (hint, *get_args(hint))
-    if kind := kind_of(hint):
-        return kind.asks
-    if words := next((get_args(part) for part in parts if get_origin(part) is Literal), ()):
-        return f"one of {', '.join(map(str, words))}"
-    if str in parts:
-        return "text"
-    if holder := record_in(hint):
-        words = re.split("[;\n]", summary(holder))[0].rstrip(".")
-        return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
-    lists = [part for part in parts if get_origin(part) is list]
-    return f"a list, each {need_of(get_args(lists[0])[0])}" if lists else "a mapping"
-
-
-def taken(hint: object) -> str:
-    """Say what Python takes for an annotation."""
-    kind, holder = kind_of(hint), record_in(hint)
-    return kind.need if kind else holder.__name__ if holder else need_of(hint)
 
 
 def summary(made: type) -> str:
@@ -96,10 +67,12 @@ def rows(made: type) -> Iterator[Row]:
     """Yield a row for each key of a record."""
     instead = instead_of(made)
     for field in fields(made):
-        hint = hints(made)[field.name]
+        kind = kind_of(hints(made)[field.name])
         needed = field.default is MISSING or instead.get(field.name) == []
-        what = sentences(made).get(field.name, "")
-        yield Row(field.name, what, need_of(hint), _default(field.default, hint), needed)
+        what, default = sentences(made).get(field.name, ""), None
+        if isinstance(field.default, str | int | float) and field.default not in (inf, -inf):
+            default = kind.write(field.default)
+        yield Row(field.name, what, kind.asks, default, needed)
 
 
 def instead_of(made: type) -> dict[str, list[dict]]:
@@ -115,8 +88,22 @@ def instead_of(made: type) -> dict[str, list[dict]]:
     }
 
 
-def _default(default, hint):
-    if not isinstance(default, str | int | float) or default in (inf, -inf):
-        return None
-    kind = kind_of(hint)
-    return kind.write(default) if kind else default
+class Docstring:
+    """The docstring of a record, with its fields as parameters once someone reads it."""
+
+    def __init__(self, text):
+        """Take the text of the class."""
+        self.text = text
+
+    def __get__(self, whole, made):
+        """Write it in the form of numpydoc."""
+        if not self.text:
+            return None
+        text, heading, examples = inspect.cleandoc(self.text).partition("\n\nExamples\n")
+        lines = [text, "", "Parameters", "----------"]
+        told = {row.key: row for row in rows(made)}
+        for key in inspect.signature(made).parameters:
+            default = told[key].default
+            said = "" if default is None else f", default {default}"
+            lines += [f"{key} : {kind_of(hints(made)[key]).need}{said}", f"    {told[key].what}"]
+        return "\n".join(lines) + heading + examples

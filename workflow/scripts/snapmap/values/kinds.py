@@ -2,30 +2,28 @@
 
     thickness: Length          # in a record, in a signature, in a section of a config
 
-A type checker reads a number there, and `help` prints the alias. `take` converts a value of Python,
-`read` one of a config, and an editor of YAML completes by the schema.
+`take` converts a value of Python, `read` one of a config, `write` writes one as a config has it,
+and an editor of YAML completes by the schema. A type of Python without a kind of its own, as
+`list[Blow]` or `Literal["auto"]`, has one by `kind_of`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
-from typing import Any, Union, get_args
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
-from pydantic_core.core_schema import (
-    with_info_plain_validator_function,
-    with_info_wrap_validator_function,
-)
 
 from ..files.text import describe, plain, show
 from ..numerics.portable import geometric, linear
 from . import units
+from .arguments import PYTHON, Argument, Reading, convert, lines_of, nearest
 from .faults import Faults, few, line_at, within
 
-WRITTEN = {"written": True}
-"""Context in which pydantic reads a config."""
 Number = float | np.ndarray
+CONFIG = Reading(written=True)
 
 
 @dataclass(frozen=True)
@@ -55,25 +53,39 @@ class Bounds:
 
 
 class Kind:
-    """A kind of value; `take` and `read` convert one, or raise ValueError in one line."""
+    """A kind of value; `take` and `read` convert one, or raise ValueError, a line for each fault.
+
+    A kind of parts overrides `convert`, by which it converts the parts; others `take`, and `read`
+    if a config has other values than Python, or other words for what is wrong.
+    """
 
     need: str
-    """What is right, in words that follow "is not"."""
-    records: tuple = ()
-    """Records of which a config has one."""
+    """What is right in Python, in words that follow "is not"."""
+    type: Any = object
+    """Type of Python, as a signature shows it."""
+    records: Any = ()
+    """Records of which a config has one, or several."""
 
     @property
     def asks(self) -> str:
         """What is right in a config, in words that follow "write"."""
         return self.need
 
-    def take(self, value: object) -> object:
-        """Convert a value of Python."""
-        raise NotImplementedError
+    def wants(self, reading: Reading) -> str:
+        """What is right."""
+        return self.asks if reading.written else self.need
 
-    def read(self, value: object) -> object:
+    def convert(self, value: object, reading: Reading) -> Any:
+        """Convert a value."""
+        return self.read(value) if reading.written else self.take(value)
+
+    def take(self, value: object) -> Any:
+        """Convert a value of Python."""
+        return self.convert(value, PYTHON)
+
+    def read(self, value: object) -> Any:
         """Convert a value of a config."""
-        return self.take(value)
+        return self.convert(value, CONFIG)
 
     def write(self, value: Any) -> object:
         """Write a value as a config has it."""
@@ -81,22 +93,13 @@ class Kind:
 
     def schema(self) -> dict:
         """Describe, in JSON Schema, what a config has."""
-        return {}
+        each = [kind_of(made).schema() for made in self.records]
+        return {"anyOf": each} if each else {}
 
-    def __get_pydantic_core_schema__(self, source, handler):
-        """Read values of a config, and take all others."""
-
-        def fit(value, info):
-            return (self.read if info.context == WRITTEN else self.take)(value)
-
-        if not self.records:
-            return with_info_plain_validator_function(fit)
-        described = handler.generate_schema(Union[self.records])  # noqa: UP007, of a variable
-        return with_info_wrap_validator_function(lambda value, _, info: fit(value, info), described)
-
-    def __get_pydantic_json_schema__(self, schema, handler):
-        """Give `schema` to pydantic, or that of the records."""
-        return handler(schema) if self.records else self.schema()
+    def refuse(self, value: object, reading: Reading = PYTHON) -> ValueError:
+        """Make the error of a value that is not right."""
+        told = (describe if reading.written else show)(value)
+        return ValueError(f"{told} is not {self.wants(reading)}")
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,7 @@ class Quantity(Kind):
 
     noun: with article; example: in a config; words: numbers behind words
     reads: unit in which users read it, a key of `units.READ`; "" for the internal one
+    is_single: whether an array is refused
     """
 
     noun: str
@@ -113,6 +117,8 @@ class Quantity(Kind):
     interval: str = "(0, inf)"
     words: tuple[tuple[str, float], ...] = ()
     reads: str = ""
+    is_single: bool = False
+    type = float
 
     @cached_property
     def bounds(self) -> Bounds:
@@ -133,6 +139,8 @@ class Quantity(Kind):
 
     def take(self, value: object) -> Number:
         """Convert numbers, text with a unit, and objects with one; a single one becomes a float."""
+        if type(value) is float and self.bounds.low < value < self.bounds.high:
+            return value
         if isinstance(value, str) and (self.unit or self.words or units.is_plain(value)):
             return self.read(value)
         if isinstance(value, list | tuple) and any(isinstance(item, str) for item in value):
@@ -141,8 +149,8 @@ class Quantity(Kind):
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        if array is None or not array.size:
-            raise ValueError(f"{show(value)} is not {self.need}")
+        if array is None or not array.size or (array.ndim and self.is_single):
+            raise self.refuse(value)
         worded = [number for _, number in self.words]
         wrong = array[~(self.bounds.holds(array) | np.isin(array, worded))]
         if wrong.size:
@@ -163,6 +171,10 @@ class Quantity(Kind):
             such = f" such as {example}" if example else ""
             raise ValueError(f"{describe(value)} {error}; write {self.noun}{such}{also}") from None
         return number
+
+    def under(self, reading: Reading) -> "Quantity":
+        """Give the kind in the unit of a reading, which only C does not have always."""
+        return self
 
     def write(self, value: float) -> object:
         """Write a number with its unit."""
@@ -187,22 +199,16 @@ class Quantity(Kind):
 
 
 @dataclass(frozen=True)
-class Single(Quantity):
-    """A single number."""
-
-    def take(self, value: object) -> float:
-        """Convert a number; an array is refused."""
-        number = super().take(value)
-        if not isinstance(number, float):
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return number
-
-
-@dataclass(frozen=True)
 class Several(Kind):
     """A number or several different ones of a kind; in a config a list, or a range."""
 
     of: Quantity
+    type = float | list[float]
+
+    def convert(self, value: object, reading: Reading) -> np.ndarray:
+        """Convert numbers, in the unit of a reading."""
+        kind = replace(self, of=self.of.under(reading))
+        return kind.read(value) if reading.written else kind.take(value)
 
     @property
     def need(self) -> str:
@@ -221,7 +227,7 @@ class Several(Kind):
         except ValueError as error:
             raise ValueError(str(error).replace(self.of.need, self.need)) from None
         if row.ndim > 1 or not row.size or np.unique(row).size < row.size:
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value)
         return row
 
     def read(self, value: object) -> np.ndarray:
@@ -229,9 +235,9 @@ class Several(Kind):
         if isinstance(value, Mapping):
             values = self._spaced(value)
         elif not isinstance(value, list | tuple) or not value:
-            raise ValueError(f"{describe(value)} is not {self.asks}")
+            raise self.refuse(value, CONFIG)
         else:
-            values = read_each(self.of, value)
+            values = Items(self.of).read(value)
         values = np.sort(values)
         before, after = values[:-1], values[1:]
         repeated = after[(after == before) | (after * (1 - 1e-14 * np.sign(after)) <= before)]
@@ -242,19 +248,11 @@ class Several(Kind):
 
     def _spaced(self, section):
         """Space values as a range says, both ends counted."""
-        kinds, values, faults = self._of_range, {"points": 1, "spacing": "linear"}, []
-        for key, kind in kinds.items():
-            try:
-                if key in section:
-                    values[key] = kind.read(section[key])
-                elif key != "spacing":
-                    faults.append(f".{key}: missing; write {kind.asks}")
-            except ValueError as error:
-                faults.append(f".{key}: {error}")
-        unknown = f"unknown key; known here are {', '.join(kinds)}"
-        faults += [within(line_at((key,), unknown)) for key in section if key not in kinds]
-        if faults:
-            raise Faults(*faults)
+        arguments = {key: Argument(kind, key == "spacing") for key, kind in self._of_range.items()}
+        try:
+            values = {"spacing": "linear"} | convert(arguments, section, CONFIG)
+        except Faults as faults:
+            raise Faults(*map(within, faults.args)) from None
         points, ends = values["points"], [values["from"], values["to"]]
         if not np.isfinite(ends).all():
             raise ValueError("hard cannot be an end of a range; write a list")
@@ -281,48 +279,116 @@ class Several(Kind):
         return ends | {"points": Whole(1, 1_000_000), "spacing": spacings}
 
 
-def read_each(kind: Kind, items: Sequence) -> list:
-    """Read the items of a list of a config; raises Faults, a line for each wrong one, or `few`."""
-    values, faults = [], []
-    for place, item in enumerate(items):
-        try:
-            values.append(kind.read(item))
-        except ValueError as error:
-            faults.append(line_at((place,), str(error)))
-    if faults:
-        raise Faults(*few(faults))
-    return values
+@dataclass(frozen=True)
+class Pair(Kind):
+    """Two numbers of a kind, low and high."""
 
+    of: Quantity
+    type = tuple[float, float]
+    need = "a pair of numbers, low and high"
 
-class Plain(Kind):
-    """A kind whose values a config has as Python has them."""
+    @property
+    def asks(self) -> str:
+        """What is right in a config, in words that follow "write"."""
+        return f"a pair of values: its range, each {self.of.asks}"
 
-    def read(self, value: object) -> object:
-        """Convert a value of a config."""
-        try:
-            return self.take(value)
-        except ValueError:
-            raise ValueError(f"{describe(value)} is not {self.asks}") from None
+    def convert(self, value: object, reading: Reading) -> tuple[float, float]:
+        """Convert a pair; of Python also an array."""
+        kind = replace(self.of.under(reading), is_single=False)
+        if reading.written and isinstance(value, list) and len(value) == 2:
+            return tuple(Items(kind).read(value))
+        row = None if reading.written else kind.take(value)
+        if np.shape(row) != (2,):
+            raise self.refuse(value, reading)
+        return tuple(row.tolist())
+
+    def schema(self) -> dict:
+        """Describe a pair."""
+        return {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
 
 
 @dataclass(frozen=True)
-class Whole(Plain):
+class Items(Kind):
+    """A list of values of a kind."""
+
+    of: Kind
+    type = list
+
+    records = property(lambda self: self.of.records)
+
+    @property
+    def need(self) -> str:
+        """What is right in Python, in words that follow "is not"."""
+        return f"a list, each {self.of.need}"
+
+    @property
+    def asks(self) -> str:
+        """What is right in a config, in words that follow "write"."""
+        return f"a list, each {self.of.asks}"
+
+    def convert(self, value: object, reading: Reading) -> list:
+        """Convert the items; raises Faults, a line for each wrong one, of wrong values a `few`."""
+        if not isinstance(value, list | tuple):
+            raise self.refuse(value, reading)
+        values, alike, faults = [], [], []
+        for place, item in enumerate(value):
+            try:
+                values.append(self.of.convert(item, reading))
+            except ValueError as error:
+                lines = [line_at((place,), line) for line in lines_of(error)]
+                (faults if isinstance(error, Faults) else alike).extend(lines)
+        if alike or faults:
+            raise Faults(*few(alike), *faults)
+        return values
+
+    def schema(self) -> dict:
+        """Describe the list."""
+        return {"type": "array", "items": self.of.schema()}
+
+
+@dataclass(frozen=True)
+class ByName(Kind):
+    """Values of a kind by name."""
+
+    of: Kind
+    need: str = "a mapping"
+    type = dict
+
+    records = property(lambda self: self.of.records)
+
+    def convert(self, value: object, reading: Reading) -> dict:
+        """Convert the values; raises Faults, a line for each wrong one."""
+        if not isinstance(value, Mapping):
+            raise self.refuse(value, reading)
+        try:
+            return convert(dict.fromkeys(value, Argument(self.of)), value, reading)
+        except Faults as faults:
+            raise Faults(*map(within, faults.args)) from None
+
+    def schema(self) -> dict:
+        """Describe the mapping."""
+        return {"type": "object", "additionalProperties": self.of.schema() or True}
+
+
+@dataclass(frozen=True)
+class Whole(Kind):
     """A whole number from low to high."""
 
     low: int
     high: int | None = None
+    type = int
 
     @property
     def need(self) -> str:
         """What is right, in words that follow "is not"."""
         return f"a whole number from {self.low}{'' if self.high is None else f' to {self.high}'}"
 
-    def take(self, value: object) -> int:
+    def convert(self, value: object, reading: Reading) -> int:
         """Convert a whole number, also of numpy or xarray."""
         array = units.plain_numbers(value)
         whole = array is not None and array.ndim == 0 and np.asarray(value).dtype.kind in "iu"
         if not whole or not self.low <= array <= (inf if self.high is None else self.high):
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value, reading)
         return int(np.asarray(value))
 
     def schema(self) -> dict:
@@ -332,17 +398,18 @@ class Whole(Plain):
 
 
 @dataclass(frozen=True)
-class Flag(Plain):
+class Flag(Kind):
     """True or false."""
 
     need: str = "True or False"
     asks: str = "true or false"
+    type = bool
 
-    def take(self, value: object) -> bool:
+    def convert(self, value: object, reading: Reading) -> bool:
         """Convert a bool, also of numpy or xarray."""
         single = getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
         if not isinstance(value, bool | np.bool_) and not single:
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value, reading)
         return bool(value)
 
     def schema(self) -> dict:
@@ -351,48 +418,106 @@ class Flag(Plain):
 
 
 @dataclass(frozen=True)
-class Word(Plain):
-    """One of some words; a word stays as it is."""
+class Word(Kind):
+    """One of some words, among which may be true and false; called: what a word is, in words."""
 
-    words: tuple[str, ...]
+    words: tuple[str | bool, ...]
+    called: str = ""
+
+    @property
+    def type(self) -> Any:
+        """Text, or also a flag."""
+        return str if all(isinstance(word, str) for word in self.words) else bool | str
 
     @property
     def need(self) -> str:
-        """What is right, in words that follow "is not"."""
-        return f"one of {', '.join(self.words)}"
+        """What is right in Python, in words that follow "is not"."""
+        if self.called or self.type is str:
+            return self.called or f"one of {', '.join(map(str, self.words))}"
+        return _either([repr(word).replace("'", '"') for word in self.words])
 
-    def take(self, value: object) -> str:
+    @property
+    def asks(self) -> str:
+        """What is right in a config, in words that follow "write"."""
+        return self.need if self.type is str else _either([*map(describe, self.words)])
+
+    def convert(self, value: object, reading: Reading) -> str | bool:
         """Take one of the words."""
-        if not isinstance(value, str) or value not in self.words:
-            raise ValueError(f"{show(value)} is not {self.need}")
+        value = bool(value) if isinstance(value, np.bool_) else value
+        if not isinstance(value, str | bool) or value not in self.words:
+            near = nearest(str(value), [word for word in self.words if isinstance(word, str)])
+            hint = f"; did you mean {near}?" if near else ""
+            raise ValueError(f"{self.refuse(value, reading)}{hint}")
         return value
 
     def schema(self) -> dict:
         """Describe the words."""
-        return {"enum": [*self.words]}
+        return {"enum": [*self.words]} if self.words[1:] else {"const": self.words[0]}
+
+
+def _either(words):
+    return " or ".join([", ".join(words[:-1]), words[-1]]).replace("'", "")
 
 
 @dataclass(frozen=True)
 class Fitting(Kind):
-    """Any value for which a function holds; json: its schema."""
+    """A value for which `fits` holds, converted by `by`.
+
+    by: may raise ValueError; in_config: what is right there; json, writes: what a config has
+    """
 
     need: str
-    fits: Callable[[Any], object]
-    json: tuple[tuple[str, object], ...] = ()
+    fits: Callable[[Any], object] = lambda value: True
+    by: Callable[[Any], Any] = lambda value: value
+    in_config: str = ""
+    json: Mapping[str, object] = field(default_factory=dict, hash=False, compare=False)
+    writes: Callable[[Any], object] = lambda value: value
 
-    def take(self, value: object) -> object:
-        """Take a value that fits, as it is."""
+    @property
+    def asks(self) -> str:
+        """What is right in a config, in words that follow "write"."""
+        return self.in_config or self.need
+
+    def convert(self, value: object, reading: Reading) -> Any:
+        """Convert a value that fits."""
         if not self.fits(value):
-            raise ValueError(f"{show(value)} is not {self.need}")
-        return value
+            raise self.refuse(value, reading)
+        return self.by(value)
+
+    def write(self, value: Any) -> object:
+        """Write a value as a config has it."""
+        return self.writes(value)
 
     def schema(self) -> dict:
         """Describe what a config has."""
-        return dict(self.json)
+        return {**self.json}
 
 
-def kind_of(hint: object) -> Kind | None:
-    """Give the kind behind an annotation, also of an optional value."""
-    parts = (hint, *get_args(hint))
-    notes = (n for p in parts for n in getattr(getattr(p, "__value__", p), "__metadata__", ()))
-    return next((note for note in notes if isinstance(note, Kind)), None)
+JSON_TEXT = {"type": "string"}
+TEXT = Fitting("text", lambda value: isinstance(value, str), json=JSON_TEXT)
+ANYTHING = Fitting("a value")
+
+
+def kind_of(hint: Any) -> Kind:
+    """Give the kind of an annotation, also of an optional value."""
+    parts = get_args(hint) if NoneType in get_args(hint) else (hint,)
+    part = next((part for part in parts if part is not NoneType), None)
+    for note in getattr(part, "__metadata__", ()):
+        if isinstance(note, Kind):
+            return note
+    if hasattr(part, "kind_of_record"):
+        return part.kind_of_record
+    inner = get_args(part)
+    origin = get_origin(part)
+    if origin is Literal:
+        return Word(inner)
+    if origin is list:
+        return Items(kind_of(inner[0]))
+    if origin is dict:
+        return ByName(kind_of(inner[1]))
+    return TEXT if part is str else ANYTHING
+
+
+def argument_of(hint: Any, is_optional: bool) -> Argument:
+    """Give the argument of an annotation."""
+    return Argument(kind_of(hint), is_optional, NoneType in get_args(hint))

@@ -6,27 +6,23 @@
         '''time followed after the pulse's end'''
 
 `Run(horizon=500.0)` and `Run(horizon="0.5 ms")` convert their values by the kinds, `read(Run,
-section)` reads a section of a config, `schema(Run)` describes it to an editor, and `rows(Run)` to
-docs/config.md.
+section)` reads a section of a config, and `kind_of(Run).schema()` describes it to an editor.
 """
 
 import functools
 import inspect
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
-from functools import cache, partial
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
-from typing_extensions import dataclass_transform
 
 from ..files.text import show
-from .calls import by_name, convert, optional, taking
-from .described import Docstring, described
-from .faults import Faults, within
-from .fields import beside, hints, record_in
-from .kinds import Word
-from .reading import explained
+from .arguments import PYTHON, Argument, Reading, by_name, convert, lines_of
+from .calls import shown
+from .faults import Faults, WrongCall, line_at, within
+from .fields import Docstring, beside, hints, instead_of, rows, summary
+from .kinds import Kind, argument_of, kind_of
 
 Made = TypeVar("Made")
 
@@ -39,32 +35,143 @@ def record(made: type[Made]) -> type[Made]:
     written: those that are there, by key. Its `__post_init__` may raise ValueError, `key: ...`.
     """
     made.__repr__ = _write
-    made.__pydantic_config__ = {"extra": "forbid"}
-    made.__get_pydantic_core_schema__ = classmethod(explained)
-    made.__get_pydantic_json_schema__ = classmethod(described)
     words = made.__doc__  # not the signature that a dataclass has where python -OO has no words
     made = dataclass(frozen=True, repr=False)(made)
     made.__doc__ = Docstring(words)
+    made.kind_of_record = RecordKind(made)
+    made.__signature__ = _Signature(inspect.signature(made.__init__))
     made.__init__ = _converting(made.__init__)
     return made
 
 
+class _Signature:
+    """The signature of a record, with types that a reader knows, once someone asks for it."""
+
+    def __init__(self, signature):
+        """Take that of `__init__`."""
+        _, *parameters = signature.parameters.values()
+        self.signature = signature.replace(parameters=parameters)
+
+    def __get__(self, whole, made):
+        """Name the types."""
+        return shown(self.signature, made.kind_of_record.arguments)
+
+
 def _converting(initialize):
-    """Wrap the `__init__` of a record, which pydantic does not call, to convert its values."""
+    """Make the `__init__` of a record, which converts its values."""
     parameters = dict(inspect.signature(initialize).parameters)
     del parameters["self"]
 
     @functools.wraps(initialize)
     def __init__(self, *positional, **named):
-        made = type(self)
-        given, faults = by_name(made.__name__, parameters, positional, named, {})
-        if faults:
-            raise TypeError("\n".join(faults))
-        faults = [f"{key}: {fault}" for key, fault in beside(made, given).items()]
-        convert(given, _converters(made), faults)
-        initialize(self, **given)
+        kind = type(self).kind_of_record
+        given, faults = by_name(type(self).__name__, parameters, positional, named)
+        try:
+            values = kind.values(given, PYTHON, faults, "is not an argument")
+        except Faults as error:
+            raise WrongCall(*error.args) from None
+        _fill(self, values)
 
     return __init__
+
+
+def _fill(whole, values):
+    """Set the values of a record, those that are not written before the others."""
+    defaults = type(whole).kind_of_record.defaults
+    vars(whole).update({k: v for k, v in defaults.items() if k not in values} | values)
+    getattr(whole, "__post_init__", bool)()
+    return whole
+
+
+def assemble(made: type[Made], values: Mapping) -> Made:
+    """Make a record of values that have been converted, by the names of its fields."""
+    return _fill(object.__new__(made), values)
+
+
+class RecordKind(Kind):
+    """A record: of a mapping of its values, or as it is."""
+
+    unknown = "unknown key"
+
+    def __init__(self, made: type):
+        """Take the record."""
+        self.made = self.type = made
+        self.need, self.records = made.__name__, (made,)
+
+    @property
+    def asks(self) -> str:
+        """What is right in a config, in words that follow "write"."""
+        words = summary(self.made).replace("\n", ";").partition(";")[0].rstrip(".:")
+        return f"a mapping: {words[:1].lower()}{words[1:]}".removesuffix(": ")
+
+    @functools.cached_property
+    def arguments(self) -> dict[str, Argument]:
+        """The fields."""
+        optional = self.defaults
+        return {key: argument_of(hint, key in optional) for key, hint in hints(self.made).items()}
+
+    @functools.cached_property
+    def defaults(self) -> dict[str, Any]:
+        """The values of fields that may be left out."""
+        return {f.name: f.default for f in fields(self.made) if f.default is not MISSING}
+
+    def values(self, given, reading, faults=None, unknown="") -> dict[str, Any]:
+        """Convert the values of the record by name; raises Faults."""
+        known = beside(self.made, given) | (faults or {})
+        return convert(self.arguments, given, reading, known, unknown or self.unknown)
+
+    def convert(self, value: object, reading: Reading) -> Any:
+        """Make the record of a mapping; raises Faults, lines that begin with `.key: `."""
+        if isinstance(value, self.made):
+            return value
+        if not isinstance(value, Mapping):
+            if reading.written:
+                raise self.refuse(value, reading)
+            raise ValueError(f"{show(value)} is not a {self.need}, nor a mapping of its values")
+        try:
+            return assemble(self.made, self.values(value, reading))
+        except ValueError as error:
+            raise Faults(*map(within, lines_of(error))) from None
+
+    def schema(self) -> dict:
+        """Describe the section, with sentences and defaults as a config has them."""
+        properties = {}
+        for row in rows(self.made):
+            default = {} if row.default is None else {"default": row.default}
+            kind = self.arguments[row.key].kind
+            properties[row.key] = kind.schema() | default | {"description": row.what}
+        described = {"type": "object", "description": summary(self.made), "properties": properties}
+        described |= {"additionalProperties": False}
+        is_const = [key for key, about in properties.items() if "const" in about]
+        required = [row.key for row in rows(self.made) if row.required or row.key in is_const]
+        described |= {"required": required}
+        instead = [[{key: {}}, *others] for key, others in instead_of(self.made).items() if others]
+        every = [{"anyOf": [*map(_has, parts)]} for parts in instead]
+        return described | ({"allOf": every} if every else {})
+
+
+class ByKeys(RecordKind):
+    """Values by name, as a record has them: what is written, and nothing else."""
+
+    def __init__(self, made: type, need: str, unknown: str = "unknown key", least: int = 0):
+        """Take the record, what is right in words, and what a name is that it does not have.
+
+        least: number of values
+        """
+        super().__init__(made)
+        self.need, self.unknown, self.least, self.type = need, unknown, least, dict
+
+    def convert(self, value: object, reading: Reading) -> dict[str, Any]:
+        """Convert the values; raises Faults, lines that begin with `.key: `."""
+        if not isinstance(value, Mapping) or len(value) < self.least:
+            raise self.refuse(value, reading)
+        return told(super().convert(value, reading))
+
+
+def _has(part):
+    """Describe a section that has a value; {} is any."""
+    ((key, value),) = part.items()
+    return {"required": [key]} | ({"properties": {key: {"const": value}}} if value else {})
 
 
 def _write(self):
@@ -77,40 +184,20 @@ def _differs(value, default):
     return default is MISSING or (value is not default and np.any(value != default))
 
 
-@cache
-def _converters(made):
-    """Give a function for each field that converts its value of Python, or None."""
-    return {key: _converter(hint) for key, hint in hints(made).items()}
-
-
-def _converter(hint):
-    holder = record_in(hint)
-    if get_origin(hint) is Literal:
-        return Word(get_args(hint)).take
-    return taking(hint) or (holder and optional(partial(build, holder), hint))
-
-
-def build(made: type[Made], values: object) -> Made:
-    """Make a record of a mapping of Python, or take one as it is.
+def build(made: type[Made], values: object, reading: Reading = PYTHON) -> Made:
+    """Make a record of a mapping, or take one as it is.
 
     Raises Faults, lines that begin with `.key: `.
     """
-    if isinstance(values, made):
-        return values
-    if not isinstance(values, Mapping):
-        raise ValueError(f"{show(values)} is not a {made.__name__}, nor a mapping of its values")
+    return kind_of(made).convert(values, reading)
+
+
+def read(made: type[Made], section: object, *at: str, unit_of_C: str = PYTHON.unit_of_C) -> Made:
+    """Read a section of a config, at a path; raises Faults, a line for each."""
     try:
-        return made(**values)
-    except (TypeError, ValueError) as error:
-        raise Faults(*map(within, str(error).splitlines())) from None
-
-
-def assemble(made: type[Made], values: Mapping) -> Made:
-    """Make a record of values that have been converted, by the names of its fields."""
-    whole = object.__new__(made)
-    vars(whole).update(values)
-    getattr(whole, "__post_init__", lambda: None)()
-    return whole
+        return build(made, section, Reading(True, unit_of_C))
+    except ValueError as error:
+        raise Faults(*(line_at(at, line) for line in lines_of(error))) from None
 
 
 def told(whole: object) -> dict[str, Any]:

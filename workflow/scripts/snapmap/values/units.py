@@ -12,6 +12,8 @@ import numpy as np
 from ..files.extras import needing
 from ..files.text import plain, show
 
+OF_DAMPER = "uN*us/um"
+"""Unit of C, unless a user's own law states another one."""
 LEAST, MOST = 1e-15, 1e15
 """Least and largest size of a text's value but 0, in internal units: others overflow later."""
 USUAL = {
@@ -181,6 +183,12 @@ def spelling(unit: str) -> Spelling:
     return Spelling(" ".join(files), figures, page.replace(" ", "\u00a0"))
 
 
+def of_file(unit: str) -> str:
+    """Give a unit as a config spells it, by the spelling of CF or of a package for units."""
+    powers = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", unit.removeprefix("1 "))
+    return _ALIAS.get(unit, powers)
+
+
 def is_plain(value: object) -> bool:
     """Tell whether a value is a number without a unit; text counts, as YAML reads 1e-3 as text."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -228,8 +236,7 @@ def _converted(number, own, target):
     """Convert a float in a unit as packages for units, or CF, spell it; inf and NaN stay."""
     if not math.isfinite(number):
         return number
-    powers = re.sub(r"(?<=[A-Za-z\u00b5\u03bc])(-?\d)", r"^\1", own.removeprefix("1 "))
-    own = _ALIAS.get(own, powers)
+    own = of_file(own)
     if not _matches(re.compile(_UNIT, re.ASCII), own):
         raise ValueError(f"has an unknown unit, {show(own)}")
     return _convert(Decimal(repr(number)), own, target)

@@ -70,8 +70,8 @@ def init(folder: Path) -> None:
 def check(config: Path) -> None:
     """Print the devices of a config, doubts and cost; raises ValueError, a line for each fault."""
     with needing("snapmap check"):
-        from ..config.doubts import descriptions, doubts
-        from ..config.study import load_config
+        from ..applications.whole import doubts, load_config
+        from ..config.doubts import descriptions
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
     from .cost import amounts, core_seconds

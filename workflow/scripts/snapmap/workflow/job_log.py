@@ -15,7 +15,6 @@ from threading import Thread
 
 from ..files.counting import counting
 from ..files.named import hold_to_plan
-from ..values.damper import INTERNAL, damper_in
 from .made import hold_to_list, list_made
 
 RUN = "SNAPMAP_RUN"
@@ -55,9 +54,7 @@ def run_rule(function: Callable, job, code_of: Callable, study_of: Callable | No
         hold_to_list(job.input)
         if "study" in wanted:
             values["study"] = study_of(job.config, threads)
-        unit = values["study"].unit_of_C if "study" in wanted else INTERNAL
-        with damper_in(unit):
-            function(**{name: values[name] for name in wanted if name in values})
+        function(**{name: values[name] for name in wanted if name in values})
         hold_to_plan(code_of())  # parts of it were imported on the way
         list_made(job.output, job.params.made_from)
     os._exit(0)  # a regular exit would take a sixth of a job

@@ -35,7 +35,7 @@ class Views(NamedTuple):
 def choose_views(study: Config) -> Views:
     """Choose the figures of the cells and thresholds of a study."""
     of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
-    shown = [key for key in WORDS if key != "ends" or study.run.until == "settled"]
+    shown = [key for key in WORDS if key != "ends" or study.until == "settled"]
     maps = []
     for name in dict.fromkeys(view.name for view in of_cells):
         panels = [view._asdict() for view in of_cells if view.name == name]
@@ -57,7 +57,7 @@ def _with_shocks(view, study):
     """Add the required shocks to a map, each with whether it has the pulse of the map's cells."""
     shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
     direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
-    of_map = shape.section, direction, study.run.start
+    of_map = shape.section, direction, study.start
     marks = [mark for part in attached().values() for mark in part.marks(study)]
     required = [(name, f0, N, of_map in pushed) for name, f0, N, pushed in marks]
     return view._replace(required_shocks=tuple(required))

@@ -25,7 +25,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
     """
     thresholds = curves.some_lines(thresholds, "f0", lines)
     ax.set(xscale="log", xlabel="velocity change of the pulse (m/s)")
-    ax.set(yscale="log", ylabel="peak acceleration $N$ (multiples of $g$)")
+    ax.set(yscale="log", ylabel=scales.label_in(ax, "N", thresholds.attrs))
     drawn = list(curves.each_line(thresholds, lines))
     for place, (curve, colour, marker) in enumerate(drawn):
         curves.draw_curve(ax, curves.velocity_change(curve).values, curve, colour, marker, size=2)

@@ -34,7 +34,7 @@ class Calibration(Application):
         asked = study.requests["calibration"]
         groups = asked.shots.groups if asked else ()
         recorded = [group for group in groups if "file" in group.pulse.section]
-        return [(Shocks(group.pulse), group.f0, study.run.start) for group in recorded]
+        return [(Shocks(group.pulse), group.f0, study.start) for group in recorded]
 
     def refuse(self, study: Config) -> None:
         """Raise ValueError, one line, for shots that no device of the ranges can give."""

@@ -8,19 +8,16 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 from scipy.special import log_ndtr, logsumexp
-from typing_extensions import TypeAliasType
 
-from ...device.device import VALUES
-from ...files.text import plain, show
-from ...study.arguments import SingleStudy, pair_of
+from ...files.text import plain
+from ...study.arguments import SingleStudy
 from ...study.axes import attributes_of
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...values.faults import at_key
-from ...values.kinds import Kind, kind_of
-from ...values.paths import ExistingPath
-from ...values.quantities import Damper
-from ...values.units import plain_numbers
+from ...values.kinds import Fitting, kind_of
+from ...values.quantities import Damper, ExistingPath
+from ...values.records import ByKeys
+from ...values.units import OF_DAMPER, plain_numbers
 from .likelihood import (
     CONFIDENCE,
     PRIOR,
@@ -31,6 +28,7 @@ from .likelihood import (
     information_at,
     reach,
 )
+from .sections import UnknownsSection
 from .shots import Shots, check_ranges, shots_from
 from .surface import Surface, log_thresholds, surface_of
 
@@ -43,21 +41,13 @@ NEAR = 2.0
 """Shots of which none is within this factor of a threshold do not tell anything of the device."""
 
 
-class TableKind(Kind):
-    """Shots: the path of a file, or columns by name."""
-
-    need = "the path of a file that exists, or columns by name"
-
-    def take(self, value: object) -> str | Path | Mapping[str, Sequence]:
-        """Take a path, or columns whose entries are numbers, flags, words or None."""
-        if not hasattr(value, "keys"):
-            return kind_of(ExistingPath).take(value)
-        for key in value:
-            column = value[key]
-            rows = list(column) if getattr(column, "ndim", 0) == 1 else column
-            if not isinstance(rows, list | tuple) or not all(map(_is_entry, rows)):
-                raise ValueError(f"{show(value)} is not {self.need}")
-        return value
+def _is_table(value):
+    """Tell whether a value is a path, or columns of numbers, flags, words or None."""
+    if not hasattr(value, "keys"):
+        return kind_of(ExistingPath).fits(value)
+    columns = (value[key] for key in value)
+    rows = [list(c) if getattr(c, "ndim", 0) == 1 else c for c in columns]
+    return all(isinstance(row, list | tuple) and all(map(_is_entry, row)) for row in rows)
 
 
 def _is_entry(value):
@@ -66,24 +56,11 @@ def _is_entry(value):
     return value is None or isinstance(value, bool | np.bool_) or np.ndim(plain_numbers(value)) == 0
 
 
-class UnknownsKind(Kind):
-    """Ranges of unknowns."""
-
-    need = 'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}'
-
-    def take(self, value: object) -> dict[str, tuple[float, float]]:
-        """Give a pair for each name."""
-        if not isinstance(value, Mapping) or not value or not {*value} <= {*VALUES, "C"}:
-            raise ValueError(f"{show(value)} is not a mapping of {self.need}")
-        pairs = {}
-        for key, ends in value.items():
-            with at_key(key):
-                pairs[key] = pair_of(key, ends)
-        return pairs
-
-
-Table = TypeAliasType("Table", Annotated[str | Path | Mapping[str, Sequence], TableKind()])
-Unknowns = TypeAliasType("Unknowns", Annotated[Mapping[str, Sequence], UnknownsKind()])
+_TABLE = Fitting("the path of a file that exists, or columns by name", _is_table)
+_NEED = 'values of the device, or C, to ranges, such as {"thickness": (1.7, 2.3)}'
+_UNKNOWNS = ByKeys(UnknownsSection, f"a mapping of {_NEED}", "cannot be unknown", least=1)
+Table = Annotated[str | Path | Mapping[str, Sequence], _TABLE]
+Unknowns = Annotated[Mapping[str, Sequence], _UNKNOWNS]
 
 
 def calibrate(
@@ -139,7 +116,7 @@ def calibration_of(study: Study, shots: Shots, unknowns: Mapping, C: float | Non
     ranges = {key: [float(end) for end in ends] for key, ends in unknowns.items()}
     asked = {"unknowns": ranges} | ({} if C is None else {"C": float(C)})
     document = study.document(OF_THRESHOLDS) | {"calibration": asked}
-    return dress("calibration", fit(shots, surface), document)
+    return dress("calibration", fit(shots, surface, study.unit_of_C), document)
 
 
 def refuse_far(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -> None:
@@ -155,7 +132,7 @@ def refuse_far(study: Study, shots: Shots, unknowns: Mapping, C: float | None) -
         )
 
 
-def fit(shots: Shots, surface: Surface) -> xr.Dataset:
+def fit(shots: Shots, surface: Surface, unit_of_C: str = OF_DAMPER) -> xr.Dataset:
     """Fit unknowns to shots by thresholds over their ranges; returns a dataset without config."""
     likelihood = Likelihood(shots, surface.error)
     nodes = likelihood.integrated(surface.logs.reshape(-1, len(shots.groups)))
@@ -163,7 +140,8 @@ def fit(shots: Shots, surface: Surface) -> xr.Dataset:
     profile = Profile(lambda u: likelihood.integrated(surface.at(u)), nodes)
     names, freedom = list(surface.unknowns), shots.N.size - len(surface.unknowns) - 1
     low, high = np.array([profile.interval(k, freedom) for k in range(len(names))]).T
-    unit = {"comment": ", ".join(f"{key}: {attributes_of(key)['units']}" for key in names)}
+    units = {key: attributes_of(key, unit_of_C)["units"] for key in names}
+    unit = {"comment": ", ".join(f"{key}: {units[key]}" for key in names)}
     data = {
         key: ("unknown", _rounded(surface.values(place)), unit)
         for key, place in {"estimate": profile.best, "low": low, "high": high}.items()

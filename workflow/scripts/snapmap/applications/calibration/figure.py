@@ -70,10 +70,10 @@ def draw_shots(ax: Axes, data: xr.Dataset) -> Axes:
 
 def calibration_text(data: xr.Dataset) -> str:
     """Write the estimates with their intervals, and the spread."""
-    words = []
+    words, units = [], dict(part.split(": ") for part in data.estimate.comment.split(", "))
     for name in data.unknown.values:
-        unknown, (known_as, unit) = data.sel(unknown=name), (WORDS[name], unit_of(name))
+        unknown, unit = data.sel(unknown=name), unit_of(name, {"units": units[name]})
         middle, low, high = (number(unknown[key].item()) for key in ("estimate", "low", "high"))
-        words.append(f"{known_as} {middle} {unit} ({low} to {high})")
+        words.append(f"{WORDS[name]} {middle} {unit} ({low} to {high})")
     spread = number(100 * data.spread.sel(bound="estimate").item(), 2)
     return textwrap.fill(", ".join([*words, f"spread {spread} %"]), PAGE)

@@ -1,7 +1,6 @@
 """The section `calibration`: measured shots, and the unknowns that they determine."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -10,42 +9,19 @@ from ...config.kinds import StudyPath
 from ...device.device import VALUES, Device
 from ...files.named import inside, sha256_of
 from ...files.tables import ROWS
-from ...files.text import describe
 from ...pulse.pulse import N_of_g
 from ...pulse.recorded import RECORD
 from ...pulse.shocks import Shocks
 from ...study.axes import KIND_OF
-from ...values.kinds import Kind, Quantity, read_each
+from ...values.kinds import Pair
 from ...values.quantities import Damper
 from ...values.records import record, row_of_kinds, told
 from .shots import Shots, check_ranges, read_shots, shots_from
 
 
-@dataclass(frozen=True)
-class RangeKind(Kind):
-    """The two ends of the range of an unknown."""
-
-    of: Quantity
-
-    @property
-    def need(self) -> str:
-        """What is right, in words that follow "is not"."""
-        return f"a pair of values: its range, each {self.of.asks}"
-
-    def read(self, value: object) -> list[float]:
-        """Read a pair of values."""
-        if not isinstance(value, list) or len(value) != 2:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return read_each(self.of, value)
-
-    def schema(self) -> dict:
-        """Describe a pair."""
-        return {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
-
-
 def _range(key):
     return Annotated[
-        list, RangeKind(KIND_OF[key])
+        tuple, Pair(KIND_OF[key])
     ], "range of an unknown, a pair of values; known if left out"
 
 

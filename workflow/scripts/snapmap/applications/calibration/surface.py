@@ -86,11 +86,12 @@ def log_thresholds(
     if not np.isfinite(N_first).all():
         where, group = np.argwhere(~np.isfinite(N_first))[0]
         raise ValueError(
-            f"shots: the model has no threshold for {groups[group]} at {_place(values, where)}; "
-            "leave such shots out, or write narrower ranges"
+            f"shots: the model has no threshold for {groups[group]} at "
+            f"{_place(study, values, where)}; leave such shots out, or write narrower ranges"
         )
     return np.log(N_first)
 
 
-def _place(values, where):
-    return point_text({key: column[where] for key, column in values.items()})
+def _place(study, values, where):
+    point = {key: column[where] for key, column in values.items()}
+    return point_text(point, study.unit_of_C)

@@ -19,7 +19,7 @@ from ...study.provenance import code_date, code_version, config_hash
 from ...study.shock import Shock
 from ...study.study import Study
 from ...thresholds.slow import first_obstacle, growth_rate, slow_up_to
-from ...values.damper import INTERNAL
+from ...values.units import OF_DAMPER
 from .. import attached
 from ..histories.history import FARTHEST, extremes_of
 from ..requirements.verdict import Verdict, at_corner
@@ -42,7 +42,7 @@ def datasheet(
     source: Mapping,
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
-    damper: tuple[str, float] = (INTERNAL, 1.0),
+    damper: tuple[str, float] = (OF_DAMPER, 1.0),
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 

@@ -8,19 +8,19 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
-from typing_extensions import TypeAliasType
 
 from ...device.device import VALUES
 from ...files.text import plain
 from ...pulse.shocks import Shocks
-from ...study.arguments import Requirements, SingleStudy, pair_of
-from ...study.axes import KIND_OF, attributes_of
+from ...study.arguments import Requirements, SingleStudy
+from ...study.axes import KIND_OF, attributes_of, frequencies, unit_on
 from ...study.shock import Shock, take_shock
 from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
-from ...values.kinds import Fitting, kind_of
-from ...values.quantities import Damper, Frequency, Positive
+from ...values.arguments import Reading
+from ...values.kinds import Fitting, Pair, kind_of
+from ...values.quantities import Damper, Frequency, Positive, PulseTime
 
 POINTS, WINDOW_POINTS = 17, 33
 """Number of values on the first grid, for a threshold and for a window."""
@@ -41,9 +41,9 @@ def _is_value(name):
 
 
 NAME = "C or the name of a value of the device, such as thickness"
-PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
-ValueName = TypeAliasType("ValueName", Annotated[str, Fitting(NAME, _is_value)])
-Between = TypeAliasType("Between", Annotated[Sequence[float | str], Fitting(PAIR, lambda _: True)])
+ValueName = Annotated[str, Fitting(NAME, _is_value)]
+_PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
+Between = Annotated[Sequence[float | str], Fitting(_PAIR)]
 
 
 def design(
@@ -53,6 +53,7 @@ def design(
     f0: Frequency | None = None,
     C: Damper | None = None,
     *,
+    duration: PulseTime | None = None,
     between: Between | None = None,
     requirements: Requirements = (),
 ) -> Design | xr.Dataset:
@@ -70,11 +71,13 @@ def design(
         Frequency of the pulse, Hz; None with requirements.
     C
         Damping of the mass, uN us/um; None where C is the value.
+    duration
+        Duration of the pulse, us, in place of f0.
     between
         Low and high end of the searched range, internal units.
     requirements
-        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction; each must hold under
-        all its shapes and directions.
+        Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction; each
+        must hold under all its shapes and directions.
 
     Returns
     -------
@@ -93,13 +96,14 @@ def design(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> study = snapmap.Study(device, model="cosines", horizon=0)
     >>> made = snapmap.design(study, "thickness", N=1100, f0=1500, C=25, between=(2.0, 2.2))
     >>> round(made.value, 1)
     2.1
     """
-    start = study.run.start
+    start = study.start
     required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    f0 = frequencies(f0, duration)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:
         raise ValueError("C: is the value that design searches; leave it out")
@@ -111,21 +115,21 @@ def design(
     if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
     try:
-        between = pair_of(value, between)
+        between = Pair(KIND_OF[value]).convert(between, Reading(unit_of_C=study.unit_of_C))
     except ValueError as fault:
         raise ValueError(f"between: {fault}") from None
     low, high = between
     if not low < high:
         raise ValueError(f"between: {low:g}, {high:g} do not ascend; write (low, high)")
-    look = _threshold_finder(study, value, C, goals)
+    look, searched = _threshold_finder(study, value, C, goals), (value, study.unit_of_C)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))
     N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
     if required:
-        return _windows(look, value, grid, goals, N_first, error, met)
+        return _windows(look, searched, grid, goals, N_first, error, met)
     known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
     _, values, errors = _ends(look, grid, N_first, error, met, known, N)
-    return _single(value, N, grid, N_first, values, errors)
+    return _single(searched, N, grid, N_first, values, errors)
 
 
 def _single_shocks(requirements):
@@ -159,7 +163,7 @@ def _threshold_finder(study, value, C, goals) -> Callable:
         N_first, error, exists = np.empty((3, i.size))
         for start in np.unique(starts[i]):
             mask = starts[i] == start
-            started = replace(study, run=study.run.but(start=str(start)))
+            started = study.but(start=str(start))
             values = {value: tried.ravel()[mask]}
             dampers = values.pop("C", C)
             N_first[mask], error[mask], exists[mask] = thresholds_at(
@@ -225,8 +229,8 @@ def _guess(N_first, k, N):
     return np.clip(np.ceil(np.nan_to_num(PARTS * place, nan=PARTS / 2)), 1, PARTS).astype(int)
 
 
-def _single(value, N, grid, N_first, values, errors):
-    unit, known = KIND_OF[value].unit, N_first[np.isfinite(N_first)]
+def _single(searched, N, grid, N_first, values, errors):
+    value, unit, known = searched[0], unit_on(*searched), N_first[np.isfinite(N_first)]
     ends = f"from {grid[0]:g} to {grid[-1]:g} {unit}"
     if not values.size:
         runs = f"is {known.min():.5g} to {known.max():.5g}" if known.size else "does not exist"
@@ -238,8 +242,11 @@ def _single(value, N, grid, N_first, values, errors):
     return Design(float(values[0]), float(errors[0]))
 
 
-def _windows(look, value, grid, goals, N_first, error, met):
-    """The windows of a value, as `design` returns them; N_first, error, met: (goals, n)."""
+def _windows(look, searched, grid, goals, N_first, error, met):
+    """The windows of a value, as `design` returns them.
+
+    searched: its name, and the unit of C; N_first, error, met: (goals, n)
+    """
     names, N, all_met = [goal.name for goal in goals], [goal.N for goal in goals], met.all(0)
     ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
     ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
@@ -250,8 +257,8 @@ def _windows(look, value, grid, goals, N_first, error, met):
         if all_met[(grid >= low[0]) & (grid <= high[0])].any()
     ]
     if not windows:
-        warnings.warn(_contradiction(value, grid, names, met), stacklevel=3)
-    attrs = attributes_of(value)
+        warnings.warn(_contradiction(searched, grid, names, met), stacklevel=3)
+    attrs = attributes_of(*searched)
     data = {
         f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})
         for j, side in enumerate(("low", "high"))
@@ -261,9 +268,9 @@ def _windows(look, value, grid, goals, N_first, error, met):
     return xr.Dataset(data, {"requirement": names, "tried": ("tried", grid, attrs)})
 
 
-def _contradiction(value, grid, names, met):
+def _contradiction(searched, grid, names, met):
     """Write where each requirement is met, and where most are; met: (requirements, n)."""
-    unit, count = KIND_OF[value].unit, met.sum(axis=0)
+    value, unit, count = searched[0], unit_on(*searched), met.sum(axis=0)
     lines = []
     for name, row in zip(names, met, strict=True):
         places = grid[row]

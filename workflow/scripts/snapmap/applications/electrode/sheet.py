@@ -22,7 +22,7 @@ def sections(study: Study, verdicts: Sequence[Verdict]) -> list[str]:
     closed = [verdict for verdict in verdicts if np.isfinite(verdict.more.get("t_closed", np.nan))]
     if not closed:
         return []
-    horizon = plain(study.run.horizon / 1e3)
+    horizon = plain(study.horizon / 1e3)
     cells = []
     for verdict in closed:
         where, more = f"{verdict.requirement}, {verdict.corner}", verdict.more

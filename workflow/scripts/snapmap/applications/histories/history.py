@@ -23,10 +23,11 @@ from ...solver.options import section_of
 from ...solver.outcome import label
 from ...solver.settings import FIRST, SHOWN, Run
 from ...study.arguments import SingleStudy
+from ...study.axes import frequencies
 from ...study.provenance import device_sections
 from ...study.study import Study
 from ...study.variables import dress
-from ...values.quantities import Amplitude, Damper, Frequency
+from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from .. import merge
 
 SAMPLES = 4000
@@ -46,7 +47,14 @@ FARTHEST = 5.0
 valid, and warned of."""
 
 
-def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) -> xr.Dataset:
+def simulate(
+    study: SingleStudy,
+    N: Amplitude,
+    f0: Frequency | None,
+    C: Damper,
+    *,
+    duration: PulseTime | None = None,
+) -> xr.Dataset:
     """Follow a single cell to the horizon, beyond its snap, and return its history over time.
 
     Of the models of `auto` the finest is used; `energy_tolerance` only sets the time step.
@@ -61,6 +69,8 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
         Frequency of the pulse, Hz; None for a recorded shock.
     C
         Damping of the mass, uN us/um.
+    duration
+        Duration of the pulse, us, in place of f0.
 
     Returns
     -------
@@ -79,11 +89,12 @@ def simulate(study: SingleStudy, N: Amplitude, f0: Frequency | None, C: Damper) 
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> study = snapmap.Study(device, model="cosines", horizon=0)
     >>> run = snapmap.simulate(study, 1100, "1.5 kHz", 25)
     >>> snapmap.words(run.outcome).item(), round(run.t_snap.item())
     ('snapped', 365)
     """
+    f0 = frequencies(f0, duration)
     return history_of(study, N, study.shocks.own_frequency() if f0 is None else f0, C)
 
 
@@ -161,9 +172,9 @@ def _cell(
     study: Study, N: float, f0: float, C: float, until: str
 ) -> tuple[Any, Cells, Observations]:
     """The model at the step of a cell's motion, the cell, and its `Observations` in that step."""
-    horizon, pulses = study.run.horizon, study.shocks.pulses
+    horizon, pulses = study.horizon, study.shocks.pulses
     cells = to_cells(study.device, [0], [N], [f0], [C], horizon, 0, pulses)
-    model = choose_model(study.device, study.model, study.run.start).levels[-1]
+    model = choose_model(study.device, study.model, study.start).levels[-1]
     moved = study.run.but(until=until)
     seconds = steps_and_seconds(model, cells, moved)[1].item()
     tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)

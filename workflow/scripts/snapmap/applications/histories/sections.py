@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
-from ...config.shocks import one_time
-from ...config.views import frequency_of
 from ...device.device import VALUES, Device, batch
 from ...files.text import describe, exact, stem_of
-from ...study.axes import DEVICE, KIND_OF
+from ...study.axes import DEVICE, KIND_OF, frequency_of, one_time
 from ...values.faults import at_key
 from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from ...values.records import record, row_of_kinds, told

@@ -51,7 +51,7 @@ def _obstacle(study, device):
     """Say why there is no law of slow shocks; empty if there is one."""
     if study.model.laws:
         return "a law of the user's own acts"
-    if study.run.start != FIRST:
+    if study.start != FIRST:
         return "runs begin in the second shape"
     return first_obstacle(device, static_threshold(device))
 
@@ -84,7 +84,7 @@ def _snap_scales(study, device, pulse, thresholds):
     N, error = (thresholds[key].values.ravel() for key in ("N_first", "N_error"))
     known, scales = np.isfinite(N + error), np.full(N.size, np.nan)
     rows, N, off = rows.take(known), N[known], (error + WITHIN * N)[known]
-    model = choose_survey(device, study.model, study.run.start).levels[-1].decides
+    model = choose_survey(device, study.model, study.start).levels[-1].decides
     probe = Probe(model, rows, study.run)
     exact = lowest_snap(probe, (N - off, N + off), EXACT, STEP)
     t_snap = probe(np.multiply.outer(exact, 1 + ABOVE))

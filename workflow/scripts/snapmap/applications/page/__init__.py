@@ -18,7 +18,7 @@ class Page(Application):
         """The page, with what the cube does not hold."""
         from .. import gather
 
-        marks, start = gather(lambda part: part.marks(study)).values(), study.run.start
+        marks, start = gather(lambda part: part.marks(study)).values(), study.start
         each = [(shocks.pulse, shocks.direction) for shocks in study.shocks.each()]
         required = [
             (name, f0, N, [(p.name, way) for p, way in each if (p.section, way, start) in pushed])
@@ -26,7 +26,7 @@ class Page(Application):
             for name, f0, N, pushed in shocks
         ]
         shown = {"title": study.title, "pulse": study.shocks.values(), "written": study.written}
-        shown |= {"horizon": study.run.horizon, "required": required}
+        shown |= {"horizon": study.horizon, "required": required}
         return {"explore": shown | {"own_points": list(study.own_points)}}
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
@@ -34,8 +34,6 @@ class Page(Application):
         from ...config.points import read_points
         from ...files.atomic import write_text
         from ...study.netcdf import open_whole
-        from ...study.provenance import unit_of_C
-        from ...values.damper import damper_in
         from ..requirements.verdict import read_verdicts
         from .figure import page
 
@@ -44,8 +42,7 @@ class Page(Application):
             for name, shown in figures.items():
                 own = shown["own_points"]
                 points = read_points(*own) if own else ()
-                with damper_in(unit_of_C(cube.attrs)):
-                    text = page(cube, thresholds, shown, verdicts, points)
+                text = page(cube, thresholds, shown, verdicts, points)
                 write_text(text, f"{folder}/{name}.html")
 
 

@@ -28,7 +28,7 @@ from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
 from ...study.provenance import config_of
 from ...study.study import Study
 from ...sweeps.cube import thin
-from ...values.units import is_plain, spelling
+from ...values.units import is_plain, of_file, spelling
 from ..requirements.verdict import Verdict
 from .forms import PLACES, forms, pulses
 
@@ -221,7 +221,7 @@ def _plane(cells):
 def _axis(cells, key):
     """An axis for the page: places of its values, texts, ticks and scale."""
     words, scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
-    unit = spelling(KIND_OF[key].unit).page if key in KIND_OF else ""
+    unit = spelling(of_file(cells[key].attrs["units"])).page if key in KIND_OF else ""
     label = _typeset(scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key])
     values = scale.values.tolist()
     ticks = {"tickvals": _round_between(*scale.edges[[0, -1]], scale.is_log)}

@@ -121,7 +121,6 @@ class Requirements(Application):
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw the margin of each requirement, a row for each worst corner."""
         from ...figures import style
-        from ...values.damper import damper_in
         from .figure import draw_margins
         from .verdict import corners, read_verdicts
 
@@ -129,8 +128,8 @@ class Requirements(Application):
         attributes = {"title": "Margins of required shocks"}
         height = 1.2 + 0.32 * len(corners(verdicts))
         saved = style.saved(f"{folder}/requirements", attributes, height)
-        with saved as figure, damper_in(**figures["requirements"]):
-            draw_margins(figure.subplots(), verdicts)
+        with saved as figure:
+            draw_margins(figure.subplots(), verdicts, **figures["requirements"])
 
 
 application = Requirements()

@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 from ...figures import captions, style
 from ...figures.scales import number, tick, value_text
 from ...study.study import ARRIVES
+from ...values.units import OF_DAMPER, spelling
 from .verdict import Verdict, corners, must_text
 
 VERDICTS = {
@@ -25,9 +26,10 @@ BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
 
 
-def draw_margins(ax: Axes, verdicts: Sequence[Verdict]) -> Axes:
+def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMPER) -> Axes:
     """Draw the safety factor on N of each verdict, with its error bar; logarithmic.
 
+    unit_of_C: as a config spells it
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
     label show its worst corner, and where it must trip how the beam ends; dots show the others.
     The factor is the threshold over the required N, or the inverse where the shock must trip: above
@@ -58,7 +60,8 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict]) -> Axes:
         if words:
             ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
     ax.axvline(1, color="black", linewidth=0.6)
-    ax.set_yticks(range(len(groups)), [_name(worst) for worst, *_ in groups])
+    unit = spelling(unit_of_C).figures
+    ax.set_yticks(range(len(groups)), [_name(worst, unit) for worst, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
@@ -76,10 +79,10 @@ def _factor(verdict):
     return 1 / verdict.margin if verdict.must_snap in (True, ARRIVES) else verdict.margin
 
 
-def _name(verdict):
+def _name(verdict, unit):
     shock = f"{verdict.shock.replace('-z', '−z')}, {number(verdict.temperature)} °C"
     shock = shock.replace(f"{verdict.drop}, ", f"{verdict.drop},\n") if verdict.drop else shock
-    where = [verdict.device, shock, value_text("C", verdict.C)]
+    where = [verdict.device, shock, value_text("C", verdict.C, unit)]
     name = required_text(verdict.requirement, verdict.must_snap)
     return f"{name}\n{', '.join(filter(None, where))}"
 

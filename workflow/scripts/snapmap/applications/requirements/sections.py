@@ -1,24 +1,24 @@
 """The section `requirements`: shocks that must, or must not, trip the device."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY
 from typing import Annotated, Any, ClassVar
 
-from typing_extensions import TypeAliasType
-
 from ...config.kinds import Title
-from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes, one_time
-from ...config.views import frequency_of
-from ...files.text import describe, show
+from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes
+from ...config.study import require_start
+from ...files.text import show
 from ...numerics.statistics import CONFIDENCE
 from ...pulse.shocks import each_form
-from ...solver.settings import FIRST, STARTS
-from ...study.study import ANY, ARRIVES
+from ...solver.settings import FIRST
+from ...study.axes import frequency_of, one_time
+from ...study.shock import Snaps, Start
+from ...study.study import ANY
+from ...values.arguments import Reading
 from ...values.faults import at_key
-from ...values.kinds import Kind, Word, kind_of
+from ...values.kinds import Kind, kind_of
 from ...values.quantities import Amplitude, Frequency, PulseTime, Share
-from ...values.reading import read_part
-from ...values.records import record, told
+from ...values.records import build, record, told
 from ..application import Config
 from .required import Required, RequiredShock
 
@@ -26,36 +26,16 @@ from .required import Required, RequiredShock
 SURVIVES = 0.999
 
 
-@dataclass(frozen=True)
-class SnapsKind(Kind):
-    """Whether a device must trip: true, false, or one of some words."""
-
-    words: tuple[str, ...]
-
-    @property
-    def need(self) -> str:  # type: ignore[override]
-        """What is right, in words that follow "is not"."""
-        return " or ".join([", ".join(["true", "false", *self.words[:-1]]), self.words[-1]])
-
-    def read(self, value: object) -> bool | str:
-        """Read true, false or a word."""
-        if not isinstance(value, bool) and value not in self.words:
-            raise ValueError(f"{describe(value)} is not {self.need}")
-        return value
-
-    def schema(self) -> dict:
-        """Describe the choice."""
-        return {"enum": [True, False, *self.words]}
-
-
 class SurvivesKind(Kind):
     """True, false or a share: whether, or how probably, the beam must not break."""
 
     need = "true, false or a share such as 99.99 %"
 
-    def read(self, value: object) -> object:
-        """Read the least probability with which the beam must not break; 0 if it may."""
-        return SURVIVES * value if isinstance(value, bool) else kind_of(Share).read(value)
+    def convert(self, value: object, reading: Reading) -> float:
+        """Give the least probability with which the beam must not break; 0 if it may."""
+        return (
+            SURVIVES * value if isinstance(value, bool) else kind_of(Share).convert(value, reading)
+        )
 
     def write(self, value: float) -> object:
         """Write a share."""
@@ -66,10 +46,7 @@ class SurvivesKind(Kind):
         return {"anyOf": [{"type": "boolean"}, kind_of(Share).schema()]}
 
 
-Start = TypeAliasType("Start", Annotated[str, Word(STARTS)])
-Snaps = TypeAliasType("Snaps", Annotated[bool | str, SnapsKind((ARRIVES, ANY))])
-SnapsOrArrives = TypeAliasType("SnapsOrArrives", Annotated[bool | str, SnapsKind((ARRIVES,))])
-Survives = TypeAliasType("Survives", Annotated[float, SurvivesKind()])
+Survives = Annotated[float, SurvivesKind()]
 
 
 @record
@@ -186,12 +163,12 @@ class RequirementKind(Kind):
         self.kinds = kinds
         self.records = (ShockSection, *dict.fromkeys(kinds.values()))
 
-    def read(self, value: object) -> Any:
-        """Read a requirement by its kind."""
+    def convert(self, value: object, reading: Reading) -> Any:
+        """Make a requirement by its kind."""
         if not isinstance(value, Mapping):
-            raise ValueError(f"{describe(value)} is not {self.need}")
+            raise self.refuse(value, reading)
         found = (self.kinds[key] for key in self.kinds if key in value)
-        return read_part(next(found, ShockSection), value)
+        return build(next(found, ShockSection), value, reading)
 
 
 def read_requirements(
@@ -201,8 +178,6 @@ def read_requirements(
 
     pulse: the study's section `pulse`, or None
     """
-    from ...config.study import require_start  # which itself imports these sections
-
     names = [section.name for section in sections]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise ValueError(f"{show(twice)} comes twice; write another name")

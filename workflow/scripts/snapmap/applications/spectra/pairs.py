@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...files.text import describe, show
+from ...files.text import describe
 from ...pulse.pulse import G
 from ...values.faults import Faults, few
-from ...values.kinds import Kind, Single, kind_of
-from ...values.quantities import Frequency
+from ...values.kinds import CONFIG, Kind, kind_of
+from ...values.quantities import Frequency, single
 from ...values.units import is_plain, plain_numbers
 
 LEAST = 2
@@ -30,6 +30,7 @@ class Points(Kind):
     noun: str
     units: Mapping[str, float]
     example: str
+    type = list[tuple[float, float]]
 
     @property
     def need(self) -> str:  # type: ignore[override]
@@ -48,15 +49,15 @@ class Points(Kind):
             value = [[kind_of(Frequency).take(f), self._taken(level)] for f, level in value]
         points = plain_numbers(value)
         if points is None or points.ndim != 2 or points.shape[1] != 2 or len(points) < LEAST:
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value)
         if not (np.isfinite(points).all() and (points > 0).all() and _ascends(points)):
-            raise ValueError(f"{show(value)} is not {self.need}")
+            raise self.refuse(value)
         return points
 
     def read(self, value: object) -> np.ndarray:
         """Read a list of pairs."""
         if not isinstance(value, list) or len(value) < LEAST:
-            raise ValueError(f"{describe(value)} is not {self.asks}")
+            raise self.refuse(value, CONFIG)
         points, faults = [], []
         for place, item in enumerate(value):
             if not _is_pair(item):
@@ -81,8 +82,8 @@ class Points(Kind):
 
     def _taken(self, level):
         """Take a number, or text with a unit."""
-        single = Single(f"a {self.noun}")
-        return self._level(level) if isinstance(level, str) else single.take(level)
+        kind = single(f"a {self.noun}")
+        return self._level(level) if isinstance(level, str) else kind.take(level)
 
     def _level(self, value):
         """Convert text with a unit."""

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ...pulse.pulse import Pulse, straight
 from ...values.kinds import Whole
@@ -22,10 +21,8 @@ PER_PERIOD = 16
 MOST_SAMPLES = 2**21
 """Most samples of a record, 100 MB; a record of 1 Hz to 10 kHz has as many."""
 
-Density = TypeAliasType(
-    "Density", Annotated[Value, Points("density", DENSITIES, "[(20, 0.04), (2000, 0.04)]")]
-)
-Records = TypeAliasType("Records", Annotated[int, Whole(1, 10_000)])
+Density = Annotated[Value, Points("density", DENSITIES, "[(20, 0.04), (2000, 0.04)]")]
+Records = Annotated[int, Whole(1, 10_000)]
 
 
 class Spectrum:

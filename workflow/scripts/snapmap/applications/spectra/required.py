@@ -1,7 +1,7 @@
 """Required vibration and required shock response spectra, and their verdicts."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ class Shaking:
 
     def shaken(self, study: Study) -> Study:
         """Give a study of a beam at rest in its first shape."""
-        return replace(study, run=study.run.but(start=self.start))
+        return study.but(start=self.start)
 
     def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
         """Judge each device at each temperature by the level from which it trips."""

@@ -2,9 +2,9 @@
 
 from ...config.kinds import Title
 from ...config.shocks import PulseSection, Push
+from ...study.shock import SnapsOrArrives
 from ...values.quantities import PulseTime, Share
 from ...values.records import record
-from ..requirements.sections import SnapsOrArrives
 from .psd import REACH, Density, Spectrum
 from .required import RequiredSpectrum, RequiredVibration
 from .srs import Levels, check_points

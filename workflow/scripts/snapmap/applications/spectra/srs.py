@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from typing_extensions import TypeAliasType
 
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
@@ -69,9 +68,7 @@ def frequencies(points: Sequence[Sequence[float]]) -> np.ndarray:
     return np.append(f[f < high * (1 - 1e-9)], high)
 
 
-Levels = TypeAliasType(
-    "Levels", Annotated[Value, Points("level", LEVELS, "[(500, 700), (2000, 1500)]")]
-)
+Levels = Annotated[Value, Points("level", LEVELS, "[(500, 700), (2000, 1500)]")]
 
 
 def check_points(points: Sequence[Sequence[float]]) -> np.ndarray:

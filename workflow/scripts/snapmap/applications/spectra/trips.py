@@ -68,7 +68,7 @@ def srs_test(
     Examples
     --------
     >>> device = snapmap.load_device("config/config.yaml")
-    >>> study = snapmap.Study(device, model="cosines", run={"horizon": 0})
+    >>> study = snapmap.Study(device, model="cosines", horizon=0)
     >>> snaps = snapmap.srs_test(study, [(500, 700), (2000, 1500)], 25, records=2).snaps
     >>> snaps.sel(factor=[0.25, 4]).mean("record").squeeze().values.tolist()
     [0.0, 1.0]

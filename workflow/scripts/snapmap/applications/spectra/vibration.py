@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
-from typing_extensions import TypeAliasType
 
 from ...pulse.shocks import HANDOUT_SHOCK
 from ...solver.adaptive import choose_survey
@@ -15,8 +14,7 @@ from ...study.arguments import AnyStudy, Axes
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.probe import Probe
-from ...values.kinds import Single
-from ...values.quantities import Dampers, Fraction, Seed
+from ...values.quantities import Dampers, Fraction, Seed, single
 from .psd import REACH, Density, Records, Spectrum
 from .trips import snap_times, tell_records
 
@@ -38,7 +36,7 @@ ENOUGH = 1e-12
 """Least determinant of a fit, relative, at which its slope is determined."""
 
 
-Seconds = TypeAliasType("Seconds", Annotated[float | str, Single("a duration", "s", "60 s")])
+Seconds = Annotated[float | str, single("a duration", "s", "60 s")]
 
 
 def vibration(

@@ -59,7 +59,8 @@ class Tolerances(Application):
         """Axes, tolerances, required shocks, and what the yield leaves out."""
         return {
             "axes": [study.axes[key].tolist() for key in AXES if key in study.axes],
-            "tolerances": study.requests["tolerances"]._asdict(),
+            "tolerances": study.requests["tolerances"].section,
+            "index_samples": study.requests["tolerances"].index_samples,
             "requirements": plain_shocks(study),
             "left_out": left_out(study),
         }

@@ -23,12 +23,12 @@ from ...numerics.portable import geometric
 from ...numerics.statistics import CONFIDENCE, DECIMALS, percents, scope, share_bounds
 from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Requirements
-from ...study.axes import NAMES, attributes_of
+from ...study.axes import NAMES, attributes_of, frequencies
 from ...study.shock import Shock, take_shock
 from ...study.study import ANY, ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
-from ...values.quantities import Amplitudes, Dampers, Frequencies, Refinement, Seed
+from ...values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Seed
 from .sensitivity import crossed, indices
 from .statistics import count_below, moments, quantile_bounds, quantiles
 
@@ -46,6 +46,7 @@ def tolerance(
     C: Dampers,
     N: Amplitudes | None = None,
     *,
+    duration: PulseTimes | None = None,
     threshold_tolerance: Refinement = 1e-3,
     samples: Samples = SAMPLES,
     index_samples: Samples | None = None,
@@ -69,6 +70,8 @@ def tolerance(
         Dampings of the mass, uN us/um, each once.
     N
         Amplitudes to give probabilities at, multiples of g; by default the range of thresholds.
+    duration
+        Durations of the pulse, us, in place of f0.
     threshold_tolerance
         Relative step of N at which each search ends.
     samples
@@ -80,9 +83,9 @@ def tolerance(
     together
         Groups of names, as [["span", "rise"]]; a single draw moves each group.
     requirements
-        Mappings of name, N, f0 (Hz), snaps and optionally pulse, direction, start, survives
-        (whether the beam must not break), share and confidence (what share of devices must meet
-        it).
+        Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction, start,
+        survives (whether the beam must not break), share and confidence (what share of devices
+        must meet it).
 
     Returns
     -------
@@ -105,7 +108,7 @@ def tolerance(
     """
     shocks = [take_shock(required, study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
-    axes = {"C": C, "f0": f0, "N": N}
+    axes = {"C": C, "f0": frequencies(f0, duration), "N": N}
     return tolerances_of(study, axes, tolerances, shocks, threshold_tolerance)
 
 

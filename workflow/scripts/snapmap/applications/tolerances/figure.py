@@ -225,9 +225,8 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
         y = rows + 0.7 * ((i + 0.5) / data.C.size - 0.5)
         error = abs(bounds[:, :, i] - shares[:, i])
         look = {"color": colour, "marker": marker, "linestyle": ""}
-        ax.errorbar(
-            shares[:, i], y, xerr=error, label=scales.value_text("C", line.C.item()), **look
-        )
+        label = scales.value_text("C", line.C.item(), scales.unit_of("C", line.C.attrs))
+        ax.errorbar(shares[:, i], y, xerr=error, label=label, **look)
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
             words = f"{percents(share)} ({percents(*ends)})"
             place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}

@@ -1,69 +1,12 @@
 """The section `tolerances`: what scatters from device to device, or from shock to shock."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated
-
-from ...device.samples import DISTRIBUTIONS as SPREADS
-from ...device.samples import OF_DEVICE, SAMPLES, SEED, SHOCK_FACTORS, Groups, Samples, Tolerances
-from ...files.text import describe
-from ...study.axes import KIND_OF
-from ...values.kinds import Kind, Quantity, kind_of
-from ...values.quantities import Seed, Share
-from ...values.records import record, row_of_kinds, told
-
-
-@dataclass(frozen=True)
-class WidthKind(Kind):
-    """A width, or a mapping of a kind of distribution to its width; a share stays text."""
-
-    of: Quantity | None
-
-    @property
-    def need(self) -> str:
-        """What is right, in words that follow "is not"."""
-        value = " or a value" if self.of else ""
-        return f"a standard deviation, as a share{value}, or a mapping of a kind to its width"
-
-    def read(self, value: object) -> float | str | dict:
-        """Read a width, or a mapping."""
-        if not isinstance(value, Mapping):
-            return self._width(value)
-        if len(value) != 1 or next(iter(value)) not in SPREADS:
-            raise ValueError(
-                f"{describe(value)} is not a mapping of one of {', '.join(SPREADS)} to its width"
-            )
-        return {spread: self._width(size) for spread, size in value.items()}
-
-    def _width(self, value):
-        if isinstance(value, str) and value.strip().endswith("%"):
-            return f"{100 * kind_of(Share).read(value):.12g} %"
-        if not self.of:
-            raise ValueError(f"{describe(value)} is not a share; write one such as '5 %'")
-        try:
-            return self.of.read(value)
-        except ValueError as error:
-            raise ValueError(f"{error}, or a share such as '5 %'") from None
-
-    def schema(self) -> dict:
-        """Describe a width, or a mapping."""
-        width = {"type": ["string", "number"]}
-        spreads = {"type": "object", "properties": dict.fromkeys(SPREADS, width)}
-        return {"anyOf": [width, spreads | {"additionalProperties": False}]}
-
-
-def _width(key):
-    kind = WidthKind(None if key in SHOCK_FACTORS else KIND_OF[key])
-    words = (
-        "standard deviation, as a value or a share, or as {uniform: 5 %}; no scatter if left out"
-    )
-    return Annotated[object, kind], words
+from ...device.samples import SAMPLES, SEED, Groups, Samples, Tolerances, Widths
+from ...values.quantities import Seed
+from ...values.records import record, told
 
 
 @record
-class TolerancesSection(
-    row_of_kinds("Widths", {key: _width(key) for key in (*OF_DEVICE, *SHOCK_FACTORS)})
-):
+class TolerancesSection(Widths):
     """What scatters between devices, or between shocks.
 
     Kinds are normal, uniform (half the width), lognormal, and truncated at two standard deviations.

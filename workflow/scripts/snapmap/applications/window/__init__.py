@@ -42,7 +42,7 @@ class Window(Application):
         return {
             "axes": {key: values.tolist() for key, values in design_axes(study).items()},
             "requirements": plain_shocks(study),
-            "tolerances": tolerances._asdict() if tolerances else {},
+            "tolerances": tolerances.section if tolerances else {},
         }
 
     def run(self, study: Config, path: str) -> None:

@@ -15,6 +15,7 @@ from ...figures.curves import LOOKS
 from ...numerics.statistics import percents
 from ...study.axes import Units
 from ...study.study import ARRIVES, SNAPS
+from ...values.units import spelling
 from ..requirements.figure import required_text
 from .between import FAR, between, least_reserve, reserves_between
 
@@ -72,8 +73,11 @@ def _open_window(ax, data, units):
     scales.study_axis(ax, across[0])
     scales.set_scale(ax, "y", across[1])
     for which, scale, (unit, _) in zip("xy", across, units.values(), strict=True):
-        ends = scale.places[[0, -1]]
-        ax.set(**{f"{which}lim": ends, f"{which}label": scales.axis_label(scale.key, unit=unit)})
+        ends, label = (
+            scale.places[[0, -1]],
+            scales.axis_label(scale.key, unit=spelling(unit).figures),
+        )
+        ax.set(**{f"{which}lim": ends, f"{which}label": label})
         if not scale.is_counted:
             scales.tick(getattr(ax, f"{which}axis"), *ends, scale.is_log)
     return across

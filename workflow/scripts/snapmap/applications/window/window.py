@@ -101,7 +101,7 @@ def _under_shock(study, axes, required, thresholds):
     if np.isfinite(grid.device.strength).any():
         rows, stress = rows_of(grid), np.full(window.reserve.shape, np.nan)
         rows = rows.take(exists := rows.device >= 0)
-        cells = rows.cells(grid.device, N, study.run.horizon).flat()
+        cells = rows.cells(grid.device, N, study.horizon).flat()
         largest = largest_stress(grid.device, study.model, cells, study.run)
         broken = break_probability(grid.device.pick(cells.device), largest) > 1 - survives
         stress.flat[exists] = largest
@@ -119,7 +119,7 @@ def _under_shock(study, axes, required, thresholds):
 
 def _count_meeting(study, axes, requirements, tolerances):
     """Count the samples of the device that meet all requirements, at each point of the axes."""
-    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.run.start
+    grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.start
     pulses = [pulse for required in requirements for pulse in required.shocks.pulses]
     f0 = np.array([required.f0 for required in requirements for _ in required.shocks.pulses])
     # ASSUME: a model that suffices at both ends of C suffices between them.
