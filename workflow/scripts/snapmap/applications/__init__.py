@@ -40,7 +40,7 @@ def attached() -> dict[str, Application]:
     return {folder: import_module(f"{__name__}.{folder}").application for folder in FOLDERS}
 
 
-def gather(ask: Callable[[Application], T]) -> dict[str, T]:
+def gather(ask: Callable[[Application], T | None]) -> dict[str, T]:
     """Ask each application; returns what is not empty, by folder."""
     answers = {folder: ask(application) for folder, application in attached().items()}
     return {folder: answer for folder, answer in answers.items() if answer}

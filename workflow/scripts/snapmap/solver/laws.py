@@ -162,17 +162,17 @@ class LawsKind(Kind):
         """Take laws, or read a file, of a config one in the study's folder."""
         if isinstance(value, Laws):
             return value
-        is_path = isinstance(value, str) and value
-        if not is_path and (reading.written or not isinstance(value, Mapping)):
-            raise self.refuse(value, reading)
-        functions = {} if is_path else _of_names(value)
+        is_mapping = isinstance(value, Mapping) and not reading.written
+        functions = _of_names(value) if is_mapping else {}
         try:
             if functions:
                 return compile_laws(functions)
-            path = inside(value) if reading.written else value
-            return load_laws(path, sha256_of(path, *LAWS))
+            if isinstance(value, str) and value:
+                path = inside(value) if reading.written else value
+                return load_laws(path, sha256_of(path, *LAWS))
         except ValueError as error:
             raise ValueError(str(error).removeprefix("model.laws: ")) from error
+        raise self.refuse(value, reading)
 
     def schema(self) -> dict:
         """Describe a path."""

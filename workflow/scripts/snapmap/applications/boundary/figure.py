@@ -43,9 +43,11 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
     shade = Patch(**SHADE | {"alpha": 0.3}, color="0.4" if drawn[1:] else drawn[0][1], label=words)
     keys = [*curves.line_keys(thresholds, lines), *style.labelled([ax]), shade]
     style.note_missing(ax, thresholds.N_first, NONE_KNOWN)
-    words = title(thresholds, style.signs(ax.get_figure())), curves.no_threshold(thresholds, lines)
-    place = {} if style.is_ours(ax) else {"loc": "upper right"}  # the curves bend to the lower left
-    style.legend(ax, keys, "\n".join(filter(None, words)), 2, **place)
+    heads = title(thresholds, style.signs(ax.get_figure())), curves.no_threshold(thresholds, lines)
+    corner = (
+        {} if style.is_ours(ax) else {"loc": "upper right"}
+    )  # the curves bend to the lower left
+    style.legend(ax, keys, "\n".join(filter(None, heads)), 2, **corner)
     return ax
 
 

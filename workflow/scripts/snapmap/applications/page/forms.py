@@ -16,9 +16,9 @@ MOST_PIECES = 20_000
 OWN = ("modes", "first", "second", "gravity", "factor", "held")
 """Numbers of a device before those of the kernel: C is `held` + `factor` times that of a shock."""
 KERNEL = ("AXIAL", "RESIDUAL", "CONTACT", "M", "K", "TARGET", "BARRIER", "SADDLE", "Z0", "ALPHA")
-KERNEL += ("STOP_TOWARD", "STOP_AWAY", "RESTITUTION", "SIDE")
+OF_STOPS = "STOP_TOWARD", "STOP_AWAY", "RESTITUTION", "SIDE"
 PLACES = {name: place for place, name in enumerate(OWN)}
-PLACES |= {name: len(OWN) + getattr(R, name) for name in KERNEL}
+PLACES |= {name: len(OWN) + getattr(R, name) for name in (*KERNEL, *OF_STOPS)}
 PLACES["vectors"] = len(OWN) + R.SIDE + 1
 """Place of each number, and of the first vector, in a row of `forms`."""
 
