@@ -37,9 +37,9 @@ CORE += ("sweeps",)
 SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("public", "workflow")
 """Who reads the list of applications, which holds names alone."""
-MOST_LINES = {"applications": 5_050, "core and shell": 11_100, "tests": 12_300}
+MOST_LINES = {"applications": 4_930, "core and shell": 11_060, "tests": 12_400}
 """Most lines of code; who raises one says why in the commit."""
-LONGEST, MANY, MOST_OF_MANY = 80, 6, 48
+LONGEST, MANY, MOST_OF_MANY = 80, 6, 40
 """Lines of the longest function; a number of parameters, and how many functions may reach it."""
 
 

@@ -114,13 +114,7 @@ def design(
     goals = required or [Shock(name="", N=N, f0=f0, shocks=study.shocks, snaps=True, start=start)]
     if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
-    try:
-        between = Pair(KIND_OF[value]).convert(between, Reading(unit_of_C=study.unit_of_C))
-    except ValueError as fault:
-        raise ValueError(f"between: {fault}") from None
-    low, high = between
-    if not low < high:
-        raise ValueError(f"between: {low:g}, {high:g} do not ascend; write (low, high)")
+    between = _searched_range(between, value, study.unit_of_C)
     look, searched = _threshold_finder(study, value, C, goals), (value, study.unit_of_C)
     grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))
@@ -130,6 +124,17 @@ def design(
     known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
     _, values, errors = _ends(look, grid, N_first, error, met, known, N)
     return _single(searched, N, grid, N_first, values, errors)
+
+
+def _searched_range(between, value, unit_of_C):
+    """Convert the ends of the searched range to internal units; ValueError unless they ascend."""
+    try:
+        low, high = Pair(KIND_OF[value]).convert(between, Reading(unit_of_C=unit_of_C))
+    except ValueError as fault:
+        raise ValueError(f"between: {fault}") from None
+    if not low < high:
+        raise ValueError(f"between: {low:g}, {high:g} do not ascend; write (low, high)")
+    return low, high
 
 
 def _single_shocks(requirements):
