@@ -193,10 +193,7 @@ def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
 
 
 def threshold(device, name, C=0.025, step=None, **size):
-    model, settings = (
-        build_model(device, MODELS[name](elements=20, modes=9)),
-        Run(horizon=300.0, until="snap"),
-    )
+    model, settings = build_model(device, MODELS[name](**size)), Run(horizon=300.0, until="snap")
     model = in_steps(model, step) if step else model
     probe = Probe(model, to_rows(0, 1500.0, C), settings)
     return lowest_snap(probe, (700.0, 1100.0), 1e-6).item()

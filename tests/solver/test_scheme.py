@@ -25,7 +25,8 @@ class Recorded:
     def __init__(self, device):
         model = build_model(device, snapmap.Cosines(modes=3))
         pulse, amplitude = make_pulse("half sine"), N * device.gravity
-        _, (motion,) = record(model, pulse, amplitude, F0 * 1e-6, C, DT, STEPS)
+        cell = conserving_loop.one_cell(device, pulse, N, F0, C, DT, STEPS)
+        _, (_, motion) = record(model, *cell)
         self.device, self.motion = device, motion
         self.kappa, self.S, self.Sq0, self.f, self.e, self.axial, c, _ = model.modal
         self.k = 1 / (1 / device.contact + c)
