@@ -14,7 +14,7 @@ from snapmap.applications.requirements.check import check, judge
 from snapmap.applications.requirements.shares import with_shares
 from snapmap.applications.requirements.verdict import at_corner
 from snapmap.applications.tolerances.dataset import tolerances_of
-from snapmap.device.samples import Tolerances
+from snapmap.device.samples import Scatter, Tolerances
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.provenance import config_hash, device_sections
@@ -40,7 +40,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
     closing = {key: 2.0 + i for i, key in enumerate(CLOSING)}
     verdict = judge(replace(verdict, **moved._asdict(), more=closing), device, 0.999)
-    scatters = Tolerances({"thickness": 0.05}, samples=32)
+    scatters = Tolerances({"thickness": Scatter("normal", 0.05, False)}, samples=32)
     made = tolerances_of(study, {"C": [25.0], "f0": [1000.0]}, scatters, required)
     sections = device_sections(device)["device"] | {"mass": "10 mg", "quality_factor": 94}
     source = {"title": "Crash sensor, 2026", "device": sections}

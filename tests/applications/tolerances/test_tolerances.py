@@ -26,13 +26,14 @@ from snapmap.applications.tolerances.statistics import (
     quantiles,
 )
 from snapmap.applications.whole import load_config
-from snapmap.device.samples import CUT, Plan, Tolerances
+from snapmap.device.samples import CUT, Plan, Scatter, Scatters, Tolerances
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.options import Auto
 from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
+from snapmap.values.kinds import kind_of
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
@@ -42,7 +43,7 @@ SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncno
 @pytest.mark.parametrize("scatter", SCATTERS)
 def test_samples_have_the_moments_of_their_distribution(handout, scatter):
     law = dict([scatter]) if isinstance(scatter, tuple) else scatter
-    plan = Plan(handout, {"thickness": law})
+    plan = Plan(handout, kind_of(Scatters).take({"thickness": law}))
     values = plan.values(plan.points(4096, seed=3)[0])["thickness"]
     assert values.mean() == pytest.approx(2.0, rel=2e-3)
     assert values.std() == pytest.approx(SCATTERS[scatter], rel=2e-2)
@@ -50,7 +51,7 @@ def test_samples_have_the_moments_of_their_distribution(handout, scatter):
 
 def test_samples_are_seeded_grow_and_move_together(handout):
     scatters = {"thickness": 0.05, "rise": "2 %", "depth": {"uniform": 0.1}}
-    plan = Plan(handout, scatters, together=[["thickness", "depth"]])
+    plan = Plan(handout, kind_of(Scatters).take(scatters), together=[["thickness", "depth"]])
     assert plan.names == ["thickness+depth", "rise"]
     few, many = plan.points(100, 7), plan.points(1000, 7)
     np.testing.assert_array_equal(few, many[:, :100])
@@ -70,7 +71,8 @@ def test_indices_are_those_of_ishigamis_function():
     """Ishigami and Homma (1990): variances of the parts, with a = 7 and b = 0.1."""
     both, lone, rest = 0.5 * (1 + np.pi**4 / 50) ** 2, 49 / 8, np.pi**8 * (1 / 18 - 1 / 50) / 100
     exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / (both + lone + rest)
-    points = Plan(None, {"N": "1 %", "C": "1 %", "duration": "1 %"}).points(4096, seed=1)
+    scatters = dict.fromkeys(("N", "C", "duration"), Scatter("normal", 0.01, True))
+    points = Plan(None, scatters).points(4096, seed=1)
     (first, second), mixed = map(ishigami, points), ishigami(crossed(points))
     estimates = indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(estimates[:, 0], exact, atol=0.01)
@@ -245,7 +247,8 @@ def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
 
 def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
     device = replace(handout, modulus_slope=-1e-3, strength=1e6)
-    made = Tolerances({"thickness": 0.05}, samples=32, index_samples=2)
+    scatters = {"thickness": Scatter("normal", 0.05, False)}
+    made = Tolerances(scatters, samples=32, index_samples=2)
     both, degrees = make_shocks(["half sine", "versed sine"]), np.array([-40.0, 120.0])
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
