@@ -17,14 +17,15 @@ FUNCTIONS = {
 ALLOWED = {
     "only shown": (
         *("figures/", "applications/boundary/figure.py", "applications/calibration/figure.py"),
-        *("applications/design/design.py", "thresholds/summary.py:to_digits"),
+        *("applications/page/figure.py:_required", "thresholds/summary.py:to_digits"),
     ),
     "rounded to few digits": (
         *("applications/calibration/", "applications/tolerances/sensitivity.py"),
         *("beam/stress.py:break_probability", "device/samples.py"),
+        "numerics/statistics.py:share_bounds",
     ),
     "only counts, compares or predicts": (
-        *("applications/requirements/corners.py:beyond", "applications/tolerances/statistics.py"),
+        *("applications/requirements/verdict.py:Verdict", "applications/tolerances/statistics.py"),
         *("thresholds/regression.py", "thresholds/probe.py:amplitudes"),
     ),
     "said on the page about running to differ between libraries": (
