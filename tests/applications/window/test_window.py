@@ -18,14 +18,15 @@ from snapmap.applications.histories.history import extremes_of
 from snapmap.applications.window import figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
 from snapmap.applications.window.window import summary, window_of
-from snapmap.device.samples import Tolerances
+from snapmap.device.samples import Scatters, Tolerances
 from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
+from snapmap.values.kinds import kind_of
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
-SCATTERS = {"thickness": 0.05, "N": "2 %"}
+SCATTERS = kind_of(Scatters).take({"thickness": 0.05, "N": "2 %"})
 ASKED = [
     {"name": name, "N": N, "f0": 1500.0, "snaps": snaps}
     for name, N, snaps in (("trip", 1300.0, True), ("stay", 1100.0, False))
