@@ -51,12 +51,10 @@ def window_of(
     names = [required.name for required in requirements]
     window = xr.concat(windows, xr.Variable("requirement", names))
     if tolerances:
-        count = _count_meeting(study, axes, requirements, tolerances)
-        window["yield"] = design, count / tolerances.samples
-        window["yield_bound"] = (
-            ("bound", *design),
-            np.stack(share_bounds(count, tolerances.samples)),
-        )
+        least, most = _count_meeting(study, axes, requirements, tolerances)
+        window["yield"] = design, (least + most) / (2 * tolerances.samples)
+        low, high = (share_bounds(count, tolerances.samples) for count in (least, most))
+        window["yield_bound"] = ("bound", *design), np.stack([low[0], high[1]])
         window = window.assign_coords(bound=["low", "high"])
         document["tolerances"] = tolerances.section
     temperatures = {"temperatures": axes[TEMPERATURE]} if _varies(axes) else {}
@@ -118,14 +116,14 @@ def _under_shock(study, axes, required, thresholds):
 
 
 def _count_meeting(study, axes, requirements, tolerances):
-    """Count the samples of the device that meet all requirements, at each point of the axes."""
+    """Count samples that surely and possibly meet all requirements, (2, *axes)."""
     grid, C, start = study.set_out(axes), np.asarray(axes["C"]), study.start
     pulses = [pulse for required in requirements for pulse in required.shocks.pulses]
     f0 = np.array([required.f0 for required in requirements for _ in required.shocks.pulses])
     # ASSUME: a model that suffices at both ends of C suffices between them.
     rows = to_rows(0, f0, C[[0, -1], np.newaxis], np.arange(f0.size), pulses)
     choices = choose_levels(study.device, study.model, rows, study.run)
-    meets = np.zeros((*grid.device_of.shape, C.size, tolerances.samples), bool)
+    meets = np.zeros((*grid.device_of.shape, C.size, 2, tolerances.samples), bool)
     for place, number in np.ndenumerate(grid.device_of):
         if number < 0:
             continue
@@ -137,10 +135,10 @@ def _count_meeting(study, axes, requirements, tolerances):
             settings = required.shaken(study).run
             for pulse in required.shocks.pulses:
                 rows = to_rows(0, required.f0, C, 0, [pulse])
-                meets[place] &= batch.meets(required, rows, settings).T
+                meets[place] &= batch.meets(required, rows, settings).transpose(2, 0, 1)
     if _varies(axes):
         meets = meets.all(axis=list(axes).index(TEMPERATURE))
-    return meets.sum(axis=-1)
+    return np.moveaxis(meets.sum(axis=-1), -1, 0)
 
 
 def summary(window: xr.Dataset, units: Units) -> str:
