@@ -264,7 +264,7 @@ def test_all_faults_of_a_call_are_told_at_once(handout):
     with pytest.raises(TypeError) as caught:
         snapmap.sweep(handout, tolerance=1e-3)
     assert [line.split(":")[0] for line in str(caught.value).splitlines()] == [
-        *("tolerance", "N", "f0", "C")
+        *("f0", "tolerance", "N", "C")
     ]
 
 

@@ -81,7 +81,7 @@ def test_an_argument_in_a_unit_of_another_dimension_is_a_line(study, name, argum
 
 def test_a_value_of_a_study_in_a_unit_of_another_dimension_is_a_line(handout):
     drop = {"drop": {"height": 1 * U.s, "duration": 500}}
-    wrong = (("pulse", drop, "pulse.drop.height"), ("run", {"horizon": 1 * U.m}, "run.horizon"))
+    wrong = (("pulse", drop, "pulse.drop.height"), ("horizon", 1 * U.m, "horizon"))
     for key, value, path in wrong:
         with pytest.raises(ValueError, match=rf"\A{path}: .* does not convert to u[ms].*\Z"):
             snapmap.Study(handout, **{key: value})

@@ -6,7 +6,7 @@ import pytest
 import snapmap
 from snapmap import Study
 from snapmap.pulse.shocks import make_shocks
-from snapmap.study.shock import take_shock
+from snapmap.study.shock import Requirement, take_shock
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -20,8 +20,9 @@ def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, va
     damper = {} if value == "C" else {"C": 25.0}
     goal = {"N": N, "f0": 1000.0, "between": (low, high)}
     designed = snapmap.design(Study(handout, **CHEAP), value, **goal, **damper)
-    around = {"C": [25.0], value: designed.value + step * np.array([-1, 0, 1])}
-    near = snapmap.threshold(Study(handout, **CHEAP), [1000.0], **around).squeeze()
+    around = designed.value + step * np.array([-1, 0, 1])
+    axes = {"C": around} if value == "C" else {"C": 25.0, "axes": {value: around}}
+    near = snapmap.threshold(Study(handout, **CHEAP), [1000.0], **axes).squeeze()
     assert near.N_first[1].item() == pytest.approx(N, rel=2e-4)
     slope = (near.N_first[2] - near.N_first[0]).item() / (2 * step)
     assert designed.error == pytest.approx(near.N_error[1].item() / slope, rel=0.5)
@@ -99,7 +100,7 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
         ({}, ["half sine", "sawtooth"], ("-z",)),
         (named, ["trapezoid", "trapezoid"], ("+z", "-z")),
     ):
-        required = take_shock(asked | more, shocks).shocks
+        required = take_shock(Requirement(**asked | more), shocks).shocks
         assert [each.pulse.name for each in required.each()] == names
         assert required.directions == directions
     record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
