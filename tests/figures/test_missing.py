@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.text import Text
-from small_results import make_cells, make_found
+from small_results import make_cells, make_found, make_verdict
 
 import snapmap
 from snapmap.applications.boundary.figure import draw_damage_boundary
@@ -59,9 +59,10 @@ def made(handout):
     }
 
 
-def rows_of(verdicts):
-    columns = {key: verdicts[key].values.tolist() for key in verdicts}
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+def verdicts_of(data):
+    columns = {key: data[key].values.tolist() for key in data}
+    rows = zip(*columns.values(), strict=True)
+    return [make_verdict(**dict(zip(columns, row, strict=True))) for row in rows]
 
 
 def on_axes(draw, *arguments, **options):
@@ -92,7 +93,10 @@ FIGURES = {
     "statics": ("statics", on_figure(draw_statics)),
     **dict.fromkeys(("probability", "sensitivity", "yield"), ("tolerances", None)),
     "calibration": ("calibration", on_figure(draw_calibration)),
-    "margins": ("verdicts", lambda data, figure: draw_margins(figure.subplots(), rows_of(data))),
+    "margins": (
+        "verdicts",
+        lambda data, figure: draw_margins(figure.subplots(), verdicts_of(data)),
+    ),
     "window": ("window", on_figure(draw_window, UNITS)),
 }
 
