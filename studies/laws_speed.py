@@ -25,7 +25,7 @@ from .peers.scipy_ivp import by_scipy
 from .tables import Table, write
 
 SETTINGS = Run(horizon=300.0, repeat=False).but(until="edge")
-CELLS, F0_RANGE, ROWS = (25, 20), (500.0, 10e3), 20
+CELLS, F0_RANGE, ROWS = (6, 5), (500.0, 10e3), 6
 """Numbers of N and f0; Hz; number of thresholds."""
 METHOD, EXACT, USUAL = "DOP853", 1e-9, 1e-6
 """Of `solve_ivp`, and its relative tolerances: of the exact snaps, and of those that are timed."""
