@@ -347,7 +347,7 @@ def test_each_key_that_a_requirement_lacks_is_that_of_the_study(kind, key):
     forms = {name: value for name, value in INHERITED.items() if name != "direction"}
     blows = SHAKEN["train"]["train"]
     trained = [forms | blow if "duration" in blow else blow for blow in blows]
-    own = {"drop": {"drop": OF_DROP | forms}, "shock": forms, "train": {"train": trained}}[kind]
+    own = {"drop": {"drop": forms | OF_DROP}, "shock": forms, "train": {"train": trained}}[kind]
     assert pulse_of({}, **own, direction="-z") == (pulse, direction)
     less = {name: value for name, value in INHERITED.items() if name != key}
     less = {"direction": "-z"} if key == "shape" else less
@@ -478,7 +478,9 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
     section, _, last = key.rpartition("__")
     is_new = last in ("file", "shots")
     for name in (*HOSTILE, *HARMLESS):
-        lines = faults(changed(**({section: {last: name}} if is_new else {key: name})))
+        values = {section: {last: name}} if is_new else {key: name}
+        values = {"model": {"name": "elements", last: name}} if section == "model" else values
+        lines = faults(changed(**values))
         refused = [line for line in lines if line.endswith("rename it")]
         if name in HOSTILE:
             (line,) = refused

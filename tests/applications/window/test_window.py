@@ -26,7 +26,8 @@ from snapmap.values.kinds import kind_of
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
-SCATTERS = kind_of(Scatters).take({"thickness": 0.05, "N": "2 %"})
+WRITTEN = {"thickness": 0.05, "N": "2 %"}
+SCATTERS = kind_of(Scatters).take(WRITTEN)
 ASKED = [
     {"name": name, "N": N, "f0": 1500.0, "snaps": snaps}
     for name, N, snaps in (("trip", 1300.0, True), ("stay", 1100.0, False))
@@ -61,7 +62,7 @@ def test_a_window_ends_where_a_design_does(handout, met):
 def test_its_yields_and_stresses_are_those_of_one_device(handout, strong, met):
     device = varied(handout, thickness=2.1)
     asked = {"requirements": ASKED, "samples": 32, "index_samples": 2}
-    made = snapmap.tolerance(Study(device, **CHEAP), SCATTERS, [1500.0], AXES["C"], **asked)
+    made = snapmap.tolerance(Study(device, **CHEAP), WRITTEN, [1500.0], AXES["C"], **asked)
     here = met.sel(thickness=2.1, method="nearest")
     for key in ("yield", "yield_bound"):
         np.testing.assert_array_equal(here[key], made[key])

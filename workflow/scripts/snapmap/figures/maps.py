@@ -1,5 +1,6 @@
 """Maps over two axes of a study: which cells snap, when, and where the beam ends."""
 
+import inspect
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated
 
@@ -8,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
 from ..config.points import Point
 from ..files.text import show
@@ -100,10 +102,13 @@ _AXES = Fitting("Axes of matplotlib", lambda value: hasattr(value, "get_xlim"))
 MatplotlibAxes = Annotated[Axes, _AXES]
 
 
-LegendArguments = Annotated[
-    bool | Mapping,
-    Fitting("true, false or a mapping", lambda value: isinstance(value, bool | Mapping)),
-]
+def _fits_legend(value):
+    names = inspect.signature(Legend.__init__).parameters.keys() - {"self", "parent", "handles"}
+    return isinstance(value, bool) or (isinstance(value, Mapping) and names.issuperset(value))
+
+
+_OF_LEGEND = "true, false or a mapping of arguments of matplotlib's legend but handles"
+LegendArguments = Annotated[bool | Mapping, Fitting(_OF_LEGEND, _fits_legend)]
 Colours = Annotated[
     Mapping[str, str],
     Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping)),

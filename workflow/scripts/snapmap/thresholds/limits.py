@@ -34,7 +34,7 @@ def limits_of(search: Search, grid: Grid, chosen: Chosen) -> dict[str, tuple]:
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     impact = np.array([pulse.impact for pulse in grid.pulses])
     find = partial(_find_velocity_change, search, single, sizes)
-    places = single.device_of.tobytes(), tuple(grid.axes["C"].tolist())
+    places = single.device_of.shape, single.device_of.tobytes(), tuple(grid.axes["C"].tolist())
     pulses = tuple((pulse.pieces.tobytes(), pulse.ends) for pulse in single.pulses)
     how = search.settings, search.tolerance, search.highest, search.from_bound
     others = "velocity change", sizes, *places, pulses, how

@@ -30,9 +30,11 @@ class OfDamper(Quantity):
     def under(self, reading: Reading) -> Quantity:
         """Give the kind in that unit."""
         unit = reading.unit_of_C
-        return (
-            self if unit == self.unit else replace(self, unit=unit, example=f"25 {unit}".rstrip())
-        )
+        if unit == self.unit:
+            return self
+        # Not a kind of its own, which would have the unit of the next reading.
+        written = unit, f"25 {unit}".rstrip()
+        return Quantity(self.noun, *written, self.interval, is_single=self.is_single)
 
     def convert(self, value: object, reading: Reading) -> Number:
         """Convert in that unit."""
