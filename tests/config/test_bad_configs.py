@@ -179,7 +179,6 @@ ABSURD = (
     *(("run.horizon", {"run__horizon": f"{horizon} us"}) for horizon in ("1e30", "1e14")),
     ("histories", {"histories": [{"N": 1, "f0": "1e-14 Hz", "C": "1 kg/s"}]}),
     ("sweep.C", {"sweep__C": ["0.1 kg/s", "0.10000000000000002 kg/s"]}),
-    ("sweep.C", {"sweep__C": {"from": "1 kg/s", "to": "2 kg/s", "points": 1001}}),
 )
 
 
