@@ -10,7 +10,7 @@ from pathlib import Path
 
 NAMES = (
     *("accuracy", "stability", "steps", "coverage", "ends", "motion", "tolerances"),
-    *("convergence", "labels", "validation", "measured", "laws", "laws_speed", "peers"),
+    *("convergence", "labels", "validation", "measured", "laws", "peers"),
     *("clamps", "limits", "islands", "calibration", "impacts"),
 )
 SLOW = ("coverage", "stability", "steps")
