@@ -114,9 +114,9 @@ def design(
     goals = required or [Shock(name="", N=N, f0=f0, shocks=study.shocks, snaps=True, start=start)]
     if any(len(goal.shocks.pulses) > 1 for goal in goals):
         raise ValueError("pulse: has several shapes or directions; write one of each")
-    between = _searched_range(between, value, study.unit_of_C)
+    low, high = _searched_range(between, value, study.unit_of_C)
     look, searched = _threshold_finder(study, value, C, goals), (value, study.unit_of_C)
-    grid = np.linspace(*between, WINDOW_POINTS if required else POINTS)
+    grid = np.linspace(low, high, WINDOW_POINTS if required else POINTS)
     of_goals = np.tile(grid, (len(goals), 1))
     N_first, error, met = look(np.arange(len(goals)), of_goals, [grid])
     if required:
