@@ -201,7 +201,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
     named = ["thresholds.csv", "cube.nc", "requirements.csv", "tolerance.nc"]
     config = root / "config" / "sensor.yaml"
     snakemake(root, tmp_path, config, *(f"results/{name}" for name in named))
-    for rule in ("find_threshold", "simulate_all", "check_requirements"):
+    for rule in ("find_threshold", "collect", "check_requirements"):
         log = (results / "logs" / f"{rule}.log").read_text(encoding="utf-8")
         assert log.splitlines()[-1] in page
     with xr.open_dataset(results / "threshold.nc") as edges:
