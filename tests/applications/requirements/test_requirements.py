@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import yaml
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from small_results import artists, drawn, make_verdict
 
 import snapmap
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check, judge
-from snapmap.applications.requirements.figure import draw_margins
+from snapmap.applications.requirements.figure import WRONG, draw_margins
 from snapmap.applications.requirements.summary import summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
 from snapmap.applications.whole import load_config
@@ -179,9 +180,13 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     bars = [bar.get_segments()[0][:, 0].tolist() for bar in artists(ax, LineCollection)]
     ends = [1.25 * (1 - 0.0125), 1.25 * (1 + 0.0125)]  # of 1/0.8, with the same relative error
     assert bars == [pytest.approx([0.88, 0.92]), pytest.approx(ends)]
-    notes = [(text.get_text().strip(), text.xy[1]) for text in ax.texts]
-    ends = "ends differ, 25 % of the runs stay"
-    assert notes == [("the beam breaks", 0), (ends, 1), ("snaps at no $N$ seen", 2)]
+    notes = [(" ".join(text.get_text().split()), text.xy) for text in ax.texts]
+    words = "the beam breaks", "ends differ, 25 % of the runs stay", "snaps at no $N$ seen"
+    assert notes == [(line, (1, place)) for place, line in enumerate(words)]
+    ax.figure.draw_without_rendering()
+    edges = [text.get_window_extent().x0 for text in ax.texts]
+    assert min(edges) > ax.bbox.x1  # no words lie over marks, bars and the line at 1
+    assert np.ptp(to_rgb(WRONG["color"])) > 0.05  # grey is what is not known
     verdicts.append(replace(shelf, margin=1.2, verdict="met"))
     verdicts.append(replace(drop, requirement="hit", must_snap="any", margin=1.1))
     ax = drawn(draw_margins, verdicts)
