@@ -49,8 +49,10 @@ LAWS = {
 
 
 BADGE = """\
-<svg xmlns="http://www.w3.org/2000/svg" width="{all}" height="20" role="img" aria-label="{what}: {is_}">
-<rect width="{all}" height="20" rx="3" fill="#555"/><path d="M{left} 0h{right}v20h-{right}z" fill="#2a6f97"/>
+<svg xmlns="http://www.w3.org/2000/svg" width="{all}" height="20" role="img">
+<title>{what}: {is_}</title>
+<rect width="{all}" height="20" fill="#555"/>
+<rect x="{left}" width="{right}" height="20" fill="#2a6f97"/>
 <g fill="#fff" font-family="Verdana,sans-serif" font-size="11" text-anchor="middle">
 <text x="{half}" y="14">{what}</text><text x="{other}" y="14">{is_}</text></g></svg>
 """
