@@ -37,7 +37,7 @@ NAME = 24
 """Characters in a line of a requirement's name beside its shares."""
 ROOM = 0.05
 """Margin of an axis over the range of its data."""
-FIRE = {"color": "#009e73", "linewidth": 1.0, "linestyle": (0, (4, 1.5))}
+FIRE = {"color": "#7b1fa2", "linewidth": 1.2, "linestyle": (0, (4, 1.5))}
 """Look of the levels of no-fire and all-fire."""
 BOUNDS = {"color": "#56b4e9", "alpha": 0.5, "linewidth": 0, "label": "bounds at 95 %"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
@@ -94,7 +94,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
     """
     few = missing_fire(data.N_all_fire, data.bistable.size)
     words = f"all-fire {few}" if few else ""
-    ax.set_title(", ".join(filter(None, [scales.place_text(data), words])))
+    ax.set_title("\n".join(filter(None, [scales.place_text(data), words])))
     style.note_missing(ax, data.probability, "no share of devices is known")
     f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
     if f0.values.size == 1:
