@@ -38,7 +38,9 @@ def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
-    assert others == "beside them: thresholds 34, thresholds of devices as made 27056"
+    made = 2 * (17 * (200 + 128 * 4) + 2 * 200)  # of samples, indices and required shocks
+    words = f"thresholds 34, verdicts 4, thresholds of devices as made {made}"
+    assert sorted(others.removeprefix("beside them: ").split(", ")) == sorted(words.split(", "))
     assert re.fullmatch(r"core time, about: [0-9.]+ (s|min|h)", costs)
 
 
