@@ -31,12 +31,13 @@ def test_init_writes_the_config_that_there_is_and_nothing_over_another(root, con
     assert not (config.parent / "elsewhere.yaml").exists()
 
 
-def test_check_says_what_a_config_describes_doubts_and_costs(config, capsys):
-    capsys.readouterr()
+def test_check_says_what_a_config_describes_doubts_and_costs(root, config, capsys):
+    """What it says of the device stands in the tutorial, too."""
     assert main(["check", str(config)]) == 0
     *lines, cells, others, costs = capsys.readouterr().out.splitlines()
     study = load_config(read_document(config))
     assert lines == [*descriptions(study), *doubts(study)]
+    assert f"`{lines[0]}`" in (root / "docs" / "tutorial.md").read_text(encoding="utf-8")
     assert cells.startswith("1938 cells (C 2, f0 17, N 57) in ")
     made = 2 * (17 * (200 + 128 * 4) + 2 * 200)  # of samples, indices and required shocks
     words = f"thresholds 34, verdicts 4, thresholds of devices as made {made}"
