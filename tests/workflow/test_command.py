@@ -59,7 +59,7 @@ def test_run_is_snakemake_with_the_workflow(root, config, monkeypatch):
         main(["check", str(config), "-n"])
 
 
-def test_help_says_what_a_config_is_where_results_go_and_whose_other_options_are(capsys):
+def test_help_says_what_a_config_is_and_where_results_go(capsys):
     with pytest.raises(SystemExit):
         main(["run", "--help"])
     said = " ".join(capsys.readouterr().out.split())
