@@ -43,12 +43,14 @@ def datasheet(
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     damper: tuple[str, float] = (OF_DAMPER, 1.0),
+    doubts: Sequence[str] = (),
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
     source: the config as the user has it
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
+    doubts: lines on values that are hardly meant
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
@@ -59,14 +61,13 @@ def datasheet(
         of_device = [verdict for verdict in verdicts if not several or verdict.device == name]
         of_device = sorted(of_device, key=attrgetter("badness"), reverse=True)
         batch = made.sel(device=name) if made is not None and several else made
-        heading = " of ".join(
-            filter(None, ["# Data sheet", source.get("title"), name if several else ""])
-        )
+        heads = ["# Data sheet", source.get("title"), name if several else ""]
         facts = _device(study, device, written[name])
-        sheets += [f"{heading}\n", table(["device", "value"], facts)]
+        sheets += [f"{' of '.join(filter(None, heads))}\n", table(["device", "value"], facts)]
         sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
+        sheets += [f"Doubted: {line}.\n" for line in doubts]
         sheets += required_shocks(device, of_device, f"C, {unit}")
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
