@@ -11,7 +11,7 @@ from ..device.device import Device
 from .cells import Cells, Observations
 from .kept import kept
 from .laws import well_of
-from .models import Follows, build_model, mixed, require_fitting, with_ends
+from .models import Follows, build_model, mixed, require_fitting
 from .options import TOLERANCE, Auto, Chosen, Cosines
 from .settings import FIRST, Run
 
@@ -92,8 +92,19 @@ class Adaptive:
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
         if settings.until == "settled":
-            observed = with_ends(observed, self.check, cells, settings)
+            self._follow_to_ends(observed, cells, settings)
         return observed._replace(level=level, agreed=agreed)
+
+    def _follow_to_ends(self, observed, cells, settings):
+        """Follow cells that snap once more, by check, to observe all but `t_snap` of them.
+
+        Where that run does not snap, as may be near a threshold, the end stays unknown.
+        """
+        snapped = np.isfinite(observed.t_snap)
+        ends = self.check.follow(cells.take(snapped), settings.but(until="end"))
+        known = np.isfinite(ends.t_snap) | ~(ends.energy_error <= settings.energy_tolerance)
+        snapped[snapped] = known
+        observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
 
 
 class Survey(NamedTuple):

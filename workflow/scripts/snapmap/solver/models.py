@@ -25,7 +25,7 @@ from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, well_of
 from .options import Chosen, Cosines, Elements, Reference
 from .outcome import REPEATED_STEP
-from .settings import FIRST, MOVE, SECOND, Run
+from .settings import FIRST, MOVE, SECOND, STAY, TO_THE_END, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -88,6 +88,13 @@ class Model:
         speed = striking_speed(self.device, cells, settings.start)
         return self.steps.of(cells, settings.question, speed)
 
+    def steps_after_snap(self, cells: Cells, dt: np.ndarray, settings: Run) -> np.ndarray:
+        """Return the step of each cell once it has snapped, us, instead of dt."""
+        if settings.until not in TO_THE_END:
+            return dt
+        speed = striking_speed(self.device, cells, settings.start)
+        return np.minimum(dt, self.steps.of(cells, STAY, speed))
+
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""
         loop = "plain_loop" if self.name == "reference" else "simd_loop"
@@ -116,13 +123,9 @@ class Model:
     def follow(self, cells: Cells, settings: Run) -> Observations:
         """Follow cells of any shape.
 
-        To learn where beams stay, cells are first followed to their snap; see `with_ends`. A cell
-        whose ledger does not close is followed again with half the step, up to HALVINGS times. A
-        cell whose pulse is too short for SMALLEST has failed.
+        A cell whose ledger does not close is followed again with half the step, up to HALVINGS
+        times. A cell whose pulse is too short for SMALLEST has failed.
         """
-        if settings.until == "settled" and self.name != "reference":
-            observed = self.follow(cells, settings.but(until="snap"))
-            return with_ends(observed, self, cells, settings)
         flat = cells.flat()
         observed = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
@@ -158,22 +161,6 @@ class Model:
         observed.t_settled[observed.t_settled > cells.t_end] = np.nan
         observed.pulse_work[~(observed.energy_error <= settings.energy_tolerance)] = np.nan
         return observed
-
-
-def with_ends(
-    observed: Observations, model: "Follows", cells: Cells, settings: Run
-) -> Observations:
-    """Follow the cells that snap again, from the start to their end, by a model in steps of STAY.
-
-    observed: runs to the snap, of the cells' shape, which keep their `t_snap`
-    Where the second run does not snap, as may be near a threshold, the end stays unknown.
-    """
-    snapped = np.isfinite(observed.t_snap)
-    ends = model.follow(cells.take(snapped), settings.but(until="end"))
-    known = np.isfinite(ends.t_snap) | ~(ends.energy_error <= settings.energy_tolerance)
-    snapped[snapped] = known
-    observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
-    return observed
 
 
 def follow_twice(model: "Follows", cells: Cells, settings: Run) -> list[Observations]:

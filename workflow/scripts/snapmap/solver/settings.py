@@ -11,11 +11,12 @@ SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
 """Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
 does it stay, how does it move."""
 SHOWN = "shown"
-QUESTION = dict(settled=STAY, snap=SNAP, edge=EDGE, end=STAY, moved=MOVE, shown=MOVE)
-"""The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" is
-"snap" in the steps that a threshold needs, "end" follows a cell until it has settled without asking
-first whether it snaps, "moved" is "end" in the steps that the motion needs, and "shown" is "moved"
-with all quiet time."""
+QUESTION = dict(settled=SNAP, snap=SNAP, edge=EDGE, end=EDGE, moved=MOVE, shown=MOVE)
+"""The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" and
+"end" are "snap" and "settled" in the steps that a threshold needs, "moved" is "settled" in the
+steps that the motion needs, and "shown" is "moved" with all quiet time."""
+TO_THE_END = ("settled", "end")
+"""Values of `until` of runs that go on in the steps of STAY once they have snapped."""
 FIRST, SECOND = STARTS = ("first", "second")
 """The shape in which the beam rests at first; it snaps when it arrives at the other."""
 THRESHOLD_TOLERANCE = 1e-4

@@ -42,6 +42,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         damping=cells.damping,
         t_end=cells.t_end,
         dt=dt,
+        dt_after_snap=model.steps_after_snap(cells, dt, settings),
         stop_at_snap=settings.until in ("snap", "edge"),
         tolerance=settings.energy_tolerance,
         facts=facts,

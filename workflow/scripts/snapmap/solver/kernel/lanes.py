@@ -21,6 +21,8 @@ ROUNDING = 1e-12
 """Further margin of a proof over the barrier, larger than errors of rounding."""
 EXACT = 2.0
 """Radians per step up to which a free mode swings exactly; faster modes swing too slowly."""
+CALM = 1.0
+"""Energy of a beam over its barrier below which a run that has snapped takes long steps again."""
 OPENED = 4.0
 """Residual of the ledger over its tolerance at which a run is given up."""
 
@@ -47,6 +49,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
+    dt_after_snap: step once a cell has snapped, unless it is calm, us, (cells,)
     stop_at_snap: whether a run ends there too
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -60,6 +63,7 @@ class Task(NamedTuple):
     damping: np.ndarray
     t_end: np.ndarray
     dt: np.ndarray
+    dt_after_snap: np.ndarray
     stop_at_snap: bool
     tolerance: float
     facts: Facts
@@ -96,9 +100,7 @@ def load(
     X[R.C, l], X[R.DT, l] = damping, dt
     for i in range(modes):
         stiffness = square * of_modes[i]
-        half = min(np.sqrt(stiffness), EXACT) / 2
-        root = half * sine(half / (2 * np.pi) + 0.25) / sine(half / (2 * np.pi))
-        s = 1 / np.sqrt(root * root + stiffness / 4)
+        s = shrinking(stiffness)
         V[R.KAPPA, i, l] = stiffness * (s * s)
         for v in range(R.SQ0, R.S):
             V[v, i, l] = s * of_modes[(v - R.KAPPA) * modes + i]
@@ -127,6 +129,14 @@ def load(
 
 
 @inlined
+def shrinking(stiffness: float) -> float:
+    """Return s of `load`; stiffness: of a mode, times dt^2."""
+    half = min(np.sqrt(stiffness), EXACT) / 2
+    root = half * sine(half / (2 * np.pi) + 0.25) / sine(half / (2 * np.pi))
+    return 1 / np.sqrt(root * root + stiffness / 4)
+
+
+@inlined
 def begin(X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None) -> None:
     """Set the state of lane l that follows from its modes P, which are at rest."""
     w = 0.0
@@ -140,8 +150,7 @@ def begin(X: Rows, V: Rows, modes: int, l: int, laws: LaneLaws | None) -> None:
     if laws is not None:
         begin_laws(X, l, laws, w)
     X[R.W, l] = X[R.LOWEST, l] = X[R.SIDE, l] * w
-    beam, mass, contact, _ = energies(X, V, modes, l)
-    X[R.AT_START, l] = beam + mass + contact
+    X[R.AT_START, l] = total(X, V, modes, l)
 
 
 @inlined
@@ -156,7 +165,7 @@ def check_lane(
     task: Task,
 ) -> bool:
     """Return whether the run in lane l is over, after a block; if it is, write its facts."""
-    steps, dt = state.steps[l], task.dt[cell]
+    steps, dt = state.steps[l], X[R.DT, l]
     if steps <= X[R.LAST_SWING, l]:
         X[R.SINCE, l], X[R.BEYOND_SINCE, l] = steps, X[R.BEYOND, l]
     snapped = X[R.W, l] <= X[R.TARGET, l]
@@ -189,10 +198,10 @@ def check_lane(
     facts, proven = task.facts, well != 0
     facts.energy_error[cell] = abs(residual) * scale
     facts.pulse_work[cell] = X[R.WORK, l] / (2 * dt**2) if steps >= state.lasts[l] else np.nan
-    # Linear between the two instants around the target.
+    # Linear between the two instants around the target, in steps of before the snap.
     before, after = X[R.W_BEFORE, l], X[R.W, l]
     passed = X[R.COUNT, l] - 2 + (before - X[R.TARGET, l]) / (before - after)
-    facts.t_snap[cell] = passed * dt if snapped else np.nan
+    facts.t_snap[cell] = passed * task.dt[cell] if snapped else np.nan
     facts.t_settled[cell] = (steps - 1) * dt if proven and not stopped else np.nan
     facts.lowest[cell] = X[R.LOWEST, l]
     facts.well[cell], facts.well_share[cell] = 0, np.nan
@@ -233,6 +242,25 @@ def energies(X: Rows, V: Rows, modes: int, l: int) -> Parts:
 
 
 @inlined
+def half_step_stretch(V: Rows, modes: int, l: int) -> float:
+    """Return q at the last half step, as in `advance`."""
+    q = 0.0
+    for i in range(modes):
+        u = V[R.SQ0, i, l]
+        for j in range(modes):
+            u += V[R.S + i, j, l] * V[R.P, j, l]
+        q += (V[R.P, i, l] - V[R.D, i, l]) * u + V[R.P, i, l] * V[R.SQ0, i, l]
+    return q
+
+
+@inlined
+def total(X: Rows, V: Rows, modes: int, l: int) -> float:
+    """Return the sum of `energies`."""
+    beam, mass, contact, _ = energies(X, V, modes, l)
+    return beam + mass + contact
+
+
+@inlined
 def ledger(X: Rows, V: Rows, modes: int, l: int, drag: float) -> tuple[float, ...]:
     """Return `energies`, and energy + losses - work of the pulse - energy at start; drag: C dt."""
     beam, mass, contact, w = energies(X, V, modes, l)
@@ -263,13 +291,98 @@ def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
 
 
 @compiled
+def change_step(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    l: int,
+    dt: float,
+    cell: int,
+    state: PulseState,
+    task: Task,
+) -> None:
+    """Go on with lane l in steps of dt, us, or a little shorter, from its last half step.
+
+    There p, y and the overlap stay, and so do all energies but that of the stretch: in a step that
+    turns a mode by x it moves as tan(x/2), with kappa = 4 sin^2(x/2).
+    """
+    X, V, modes = numbers(work), vectors(work, len(shape)), len(shape)
+    device, old, was = task.devices[task.device[cell]], np.empty(R.VECTORS), X[R.DT, l]
+    stored, motion, steps = total(X, V, modes, l), np.empty((2, modes)), 0
+    for row in range(R.VECTORS):
+        old[row] = X[row, l]
+    for i in range(modes):
+        s, kappa = shrinking(was * was * device[R.SIDE + 1 + i]), V[R.KAPPA, i, l]
+        motion[0, i] = s * (V[R.P, i, l] - V[R.D, i, l] / 2)
+        motion[1, i] = s * V[R.D, i, l] * np.sqrt((4 - kappa) / kappa)
+    # A run that begins is at rest and may begin anew.
+    if state.steps[l] > 0:
+        halfway = (state.steps[l] - 0.5) * was
+        steps = int(np.ceil(halfway / dt + 0.5))
+        dt = halfway / (steps - 0.5)
+
+    load(work, shape, laws, l, device, task.damping[cell], task.amplitude[cell], dt)
+    begin_pulse(work, l, state, task.pulses, task.pulse[cell], task.f0[cell] * dt)
+    state.steps[l], share = steps, dt / was
+    for row in (R.LAST_SWING, R.SINCE, R.BEYOND_SINCE, R.BEYOND):
+        X[row, l] = old[row] / share
+    for row in (R.SWEPT, R.BEAM_SWEPT, R.DY, R.DY_BEFORE):
+        X[row, l] = old[row] * share
+    for row in (R.WORST, R.AT_START, R.WORK, R.GROSS_WORK, R.LOST):
+        X[row, l] = old[row] * share**2
+    for row in (R.LOWEST, R.OVERLAP, R.W, R.W_BEFORE, R.COUNT):
+        X[row, l] = old[row]
+    X[R.Y, l] = old[R.Y] - old[R.DY] / 2 + X[R.DY, l] / 2
+    for i in range(modes):
+        s, kappa = shrinking(dt * dt * device[R.SIDE + 1 + i]), V[R.KAPPA, i, l]
+        V[R.D, i, l] = motion[1, i] / s * np.sqrt(kappa / (4 - kappa))
+        V[R.P, i, l] = motion[0, i] / s + V[R.D, i, l] / 2
+    X[R.Q, l] = half_step_stretch(V, modes, l)
+    if laws is not None:
+        begin_laws(X, l, laws, half_step_midpoint(V, modes, l))
+    X[R.AT_START, l] += total(X, V, modes, l) - stored * share**2
+
+
+@compiled
+def suit_step(
+    work: np.ndarray,
+    shape: Shape,
+    laws: LaneLaws | None,
+    l: int,
+    cell: int,
+    begun: np.ndarray,
+    state: PulseState,
+    task: Task,
+) -> None:
+    """Shorten the steps of lane l once it has snapped, while its beam has energy to snap back.
+
+    begun: rows of the work array from STATE to before U, as the last block began; from there the
+        shorter steps take a lane on
+    """
+    X, V, dt = numbers(work), vectors(work, len(shape)), task.dt[cell]
+    is_new, is_short = X[R.SHORT, l] == 0.0, X[R.SHORT, l] > 0.0
+    has_passed = state.steps[l] * X[R.DT, l] > (X[R.COUNT, l] + BLOCK) * dt
+    is_calm = has_passed and energies(X, V, len(shape), l)[0] < CALM * X[R.BARRIER, l]
+    if is_short == (not is_calm or is_new):
+        return
+    if not is_short:
+        w, w_before, count = X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l]
+        work[R.STATE * LANES + l : (R.VECTORS + R.U * len(shape)) * LANES : LANES] = begun[l::LANES]
+        X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l] = w, w_before, count
+        state.steps[l] -= BLOCK
+        dt = task.dt_after_snap[cell]
+    change_step(work, shape, laws, l, dt, cell, state, task)
+    X[R.SHORT, l] = -1.0 if is_short else 1.0
+
+
+@compiled
 def leave_out(work: np.ndarray, shape: Shape, l: int, state: PulseState, pulses: Pulses) -> None:
     """Let lane l jump over quiet time, after a block within its pulse."""
     X, V = numbers(work), vectors(work, len(shape))
     blocks = blocks_left(X, l, state, pulses)
     if blocks > 0:
-        beam, mass, contact, _ = energies(X, V, len(shape), l)
-        jump(work, shape, l, blocks, state, beam + mass + contact, X[R.C, l] * X[R.DT, l])
+        H = total(X, V, len(shape), l)
+        jump(work, shape, l, blocks, state, H, X[R.C, l] * X[R.DT, l])
 
 
 @compiled
@@ -285,6 +398,8 @@ def follow_all(
     X, V = numbers(work), vectors(work, len(shape))
     cell_in, state, shocks = np.full(LANES, -1), no_pulse(), np.zeros(BLOCK * LANES)
     next_cell, running, was_shocked = 0, 0, False
+    lively = work[R.STATE * LANES : (R.VECTORS + R.U * len(shape)) * LANES]
+    begun = lively.copy()
     while next_cell < task.dt.size or running > 0:
         is_shocked = False
         for l in range(LANES):
@@ -301,15 +416,20 @@ def follow_all(
         if is_shocked or was_shocked:
             set_out(work, shocks, state, task.pulses)
         was_shocked = is_shocked
+        begun[:] = lively
         advance(work, shape, laws, shocks, 0, BLOCK)
         for l in range(LANES):
-            if cell_in[l] < 0:
+            cell = cell_in[l]
+            if cell < 0:
                 continue
             state.steps[l] += BLOCK
-            if check_lane(X, V, len(shape), l, laws, cell_in[l], state, task):
+            if check_lane(X, V, len(shape), l, laws, cell, state, task):
                 # An empty lane is at rest and without a shock.
                 work[l::LANES] = 0.0
                 cell_in[l], state.lasts[l] = -1, 0
                 running -= 1
+                continue
+            if X[R.W, l] <= X[R.TARGET, l] and task.dt_after_snap[cell] < task.dt[cell]:
+                suit_step(work, shape, laws, l, cell, begun, state, task)
             elif leaps is not None and state.steps[l] < state.lasts[l]:
                 leave_out(work, shape, l, state, task.pulses)
