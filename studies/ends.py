@@ -17,13 +17,13 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import side_at_end
-from snapmap.solver.settings import Run
+from snapmap.solver.settings import EDGE, SNAP, STAY, Run
 
 from .common import few, number, with_beam
 from .random_devices import draw_device, even
 from .tables import Table, write
 
-SEED, DEVICES = 11, 12
+SEED, DEVICES = 11, 24
 LANDINGS = {
     "soft": lambda device, draw: replace(
         device, contact=192 * device.beam.stiffness_unit * even(draw, 0.1, 100.0)
@@ -44,6 +44,7 @@ STRONG = 2.0
 """N over the threshold from which shocks are called strong."""
 SHAPES = "half sine", "versed sine", "sawtooth", "trapezoid"
 JUDGES = (11, 1.0), (17, 0.7)
+"""Numbers of cosines and steps, as in RULES, of runs that take the steps of STAY from the start."""
 RULES = [(cosines, step) for cosines in (3, 5, 11) for step in (4.0, 2.0, 1.0)]
 """Number of cosines, and step over the default one for the question STAY."""
 LONGEST_RUN = 2e4
@@ -66,7 +67,7 @@ def rows():
         case = draw_case(draw, [*LANDINGS][len(cases) % len(LANDINGS)])
         if case is not None:
             cases.append(case)
-    first, second = (ends(cases, *judge)[0] for judge in JUDGES)
+    first, second = (ends(cases, *judge, snap_too=True)[0] for judge in JUDGES)
     same = (first == second) & (first > 0)
     alike = first[:, 1:] == first[:, :-1]
     judged = same.copy()
@@ -98,11 +99,14 @@ def draw_case(draw, kind):
     return (device, study.shocks.pulses, f0, C, N, horizon) if math.isfinite(N) else None
 
 
-def ends(cases, cosines, step):
-    """Follow all cases by a rule: sides of the saddle at the end, (cases, N), and CPU time, s."""
+def ends(cases, cosines, step, snap_too=False):
+    """Follow all cases by a rule: sides of the saddle at the end, (cases, N), and CPU time, s.
+
+    snap_too: whether the steps of STAY are those up to the snap, too
+    """
     sides, seconds = [], 0.0
     for device, pulses, f0, C, N, horizon in cases:
-        model = build_model(batch([device]), Cosines(modes=cosines)).with_step(step)
+        model = with_stay(build_model(batch([device]), Cosines(modes=cosines)), step, snap_too)
         cells = to_cells(model.device, 0, N * FACTORS, f0, C, horizon, 0, pulses)
         settings = Run(horizon=horizon).but(until="end")
         model.follow(cells.take(np.zeros(0, int)), settings)  # compiles
@@ -111,3 +115,13 @@ def ends(cases, cosines, step):
         seconds += process_time() - begin
         sides.append(np.where(np.isfinite(run.t_snap), side_at_end(run, 1e-3), 0))
     return np.array(sides), seconds
+
+
+def with_stay(model, step, snap_too):
+    """Multiply the longest step for STAY, which may be that for the other questions, too."""
+    steps, stay = model.steps, step * model.steps.longest[STAY]
+    longest = dict(steps.longest) | {STAY: stay}
+    if snap_too:
+        longest |= {SNAP: stay, EDGE: stay}
+        steps = replace(steps, shortest=stay, pressed=stay, most=np.inf * steps.most)
+    return replace(model, steps=replace(steps, longest=longest))

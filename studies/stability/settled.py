@@ -12,6 +12,7 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines, Elements
 from snapmap.solver.settings import STAY, Run
 from snapmap.solver.simd_loop import watch
+from snapmap.solver.steps import fixed
 
 from ..common import few, with_beam
 from ..tables import Table
@@ -41,7 +42,8 @@ def followed_on(device: Device) -> str:
 
 
 def count(model, C):
-    """Count the cells that settle at the default step, and those of them that leave."""
+    """Count the cells that settle in steps of STAY, and those of them that leave."""
+    model = replace(model, steps=fixed(model.steps.longest[STAY]))
     f0, amplitude = (values.ravel() for values in np.meshgrid(few(F0), N))
     cells = to_cells(model.device, 0, amplitude, f0, C, SETTINGS.horizon)
     observed = model.follow_once(cells, SETTINGS)
@@ -59,7 +61,7 @@ def leavers(model, cells, t_settled, well):
 
     t_settled, well: as observed, (cells,)
     """
-    dt, saddle = model.steps.of(cells, STAY), model.barrier.midpoint
+    dt, saddle = model.time_steps(cells, SETTINGS), model.barrier.midpoint
     steps = np.ceil((1 / cells.f0 + FURTHER) / dt).astype(int)
     left = np.zeros(dt.size, bool)
     for first, (w, _) in watch(model, cells, dt, steps):

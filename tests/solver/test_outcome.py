@@ -24,7 +24,7 @@ from snapmap.solver.outcome import (
     UNSNAPPED,
     label,
 )
-from snapmap.solver.settings import STAY, Run
+from snapmap.solver.settings import Run
 
 PROVEN = (NEVER, LATCHED, RETURNED)
 
@@ -56,9 +56,9 @@ def recorded(model, cells, i, dt, steps):
 def test_a_latched_beam_never_rises_past_the_saddle_again(handout):
     """Followed on in the same steps, the midpoint of a latched beam never rises past the saddle."""
     device = varied(handout, damping=4e-4)
-    model, saddle = build_model(device, Cosines(modes=3)), -device.beam.rise / 3
+    model, saddle = in_steps(build_model(device, Cosines(modes=3)), 1.0), -device.beam.rise / 3
     cells = to_cells(device, 0, *random_cells(30, 2, [25.0, 200.0]), 6000.0)
-    seen, dt = model.follow_once(cells, Run(horizon=6000.0)), model.steps.of(cells, STAY)
+    seen, dt = model.follow_once(cells, Run(horizon=6000.0)), model.time_steps(cells, Run())
     outcome = label(seen, Run().energy_tolerance)
     snapped = np.flatnonzero(np.isin(outcome, (LATCHED, RETURNED)))
     for i in snapped:
@@ -118,10 +118,10 @@ def test_a_snap_seen_together_with_the_end_of_its_pulse_is_followed_on(root):
 
 def test_the_well_is_where_the_recorded_beam_spends_the_last_swing(handout):
     """Open cells: side and share against a recording of the same steps, sampled more finely."""
-    built, horizon = build_model(handout, Cosines(modes=3)), 900.0
+    built, horizon = in_steps(build_model(handout, Cosines(modes=3)), 1.0), 900.0
     cells = to_cells(handout, 0, *random_cells(48, 7, [0.025, 25.0]), horizon)
     seen, swing = built.follow_once(cells, Run(horizon=horizon)), 2 * np.pi / handout.own_frequency
-    dt = built.steps.of(cells, STAY)
+    dt = built.time_steps(cells, Run())
     assert set(seen.well) == {1, 2}
     np.testing.assert_array_equal(seen.well_share[np.isfinite(seen.t_settled)], 1.0)
     open_ones, shares = np.flatnonzero(np.isnan(seen.t_settled)), []

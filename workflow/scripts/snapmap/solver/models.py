@@ -25,7 +25,7 @@ from .law_tables import Tables, tabulate, well_as_mode
 from .laws import Laws, well_of
 from .options import Chosen, Cosines, Elements, Reference
 from .outcome import REPEATED_STEP
-from .settings import FIRST, MOVE, SECOND, STAY, TO_THE_END, Run
+from .settings import CALM, FIRST, MOVE, SECOND, STAY, TO_THE_END, Run
 from .steps import Steps, explicit_steps, steps_of, striking_speed
 
 BUNCH = 8192
@@ -89,11 +89,15 @@ class Model:
         return self.steps.of(cells, settings.question, speed)
 
     def steps_after_snap(self, cells: Cells, dt: np.ndarray, settings: Run) -> np.ndarray:
-        """Return the step of each cell once it has snapped, us, instead of dt."""
+        """Return the steps of each cell once it has snapped, us: at first, and when it is calm.
+
+        Neither is longer than the step up to the snap, dt. (2, cells)
+        """
         if settings.until not in TO_THE_END:
-            return dt
+            return np.array([dt, dt])
         speed = striking_speed(self.device, cells, settings.start)
-        return np.minimum(dt, self.steps.of(cells, STAY, speed))
+        steps = [self.steps.of(cells, question, speed) for question in (STAY, CALM)]
+        return np.minimum(steps, dt)
 
     def loop(self) -> ModuleType:
         """Import the module of the time loop when a run begins, as a plan needs no compiler."""

@@ -7,9 +7,9 @@ from typing import Literal, Self
 from ..values.quantities import Duration, Fraction, Threads, Truth
 from ..values.records import assemble, record
 
-SNAP, EDGE, STAY, MOVE = QUESTIONS = ("snap", "edge", "stay", "move")
+SNAP, EDGE, STAY, CALM, MOVE = QUESTIONS = ("snap", "edge", "stay", "calm", "move")
 """Questions to a run, by which its time step is chosen: does the beam snap, from which N on, where
-does it stay, how does it move."""
+does it stay, and once it has lost its energy, how does it move."""
 SHOWN = "shown"
 QUESTION = dict(settled=SNAP, snap=SNAP, edge=EDGE, end=EDGE, moved=MOVE, shown=MOVE)
 """The question of a run, by `until`. The solver knows four words beside those of `Run`: "edge" and

@@ -10,7 +10,7 @@ from ..device.device import Device
 from ..numerics.linalg import dot, eigh, outer, solve
 from ..values.kinds import Number
 from .cells import Cells
-from .settings import EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
+from .settings import CALM, EDGE, FIRST, MOVE, QUESTIONS, SNAP, STAY
 
 # ASSUME: chosen by measurement, see docs/accuracy.md.
 OF_LIMIT = 0.8
@@ -29,7 +29,7 @@ SHORTEST = 0.15
 BLOWS = 400.0
 """Radians of the arch in a swing of a pulse up to which single blows of the mass decide, and EDGE
 takes the shortest steps. For longer pulses its steps grow with the square of their length."""
-LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.25, MOVE: 0.12}
+LONGEST = {SNAP: 0.25, EDGE: 0.25, STAY: 0.25, CALM: 0.25, MOVE: 0.12}
 """Longest step, in units of 1/omega of the arch, by question."""
 STAY_TURN = 0.6
 """Longest step for STAY, in the same units, over the number of times that a tension turns the

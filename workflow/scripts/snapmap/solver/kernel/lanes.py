@@ -49,7 +49,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
-    dt_after_snap: step once a cell has snapped, unless it is calm, us, (cells,)
+    dt_wild, dt_calm: step of a cell that has snapped, us, (cells,); see CALM
     stop_at_snap: whether a run ends there too
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -63,7 +63,8 @@ class Task(NamedTuple):
     damping: np.ndarray
     t_end: np.ndarray
     dt: np.ndarray
-    dt_after_snap: np.ndarray
+    dt_wild: np.ndarray
+    dt_calm: np.ndarray
     stop_at_snap: bool
     tolerance: float
     facts: Facts
@@ -343,36 +344,17 @@ def change_step(
     X[R.AT_START, l] += total(X, V, modes, l) - stored * share**2
 
 
-@compiled
-def suit_step(
-    work: np.ndarray,
-    shape: Shape,
-    laws: LaneLaws | None,
-    l: int,
-    cell: int,
-    begun: np.ndarray,
-    state: PulseState,
-    task: Task,
-) -> None:
-    """Shorten the steps of lane l once it has snapped, while its beam has energy to snap back.
+@inlined
+def take_back(work: np.ndarray, modes: int, l: int, begun: np.ndarray, state: PulseState) -> None:
+    """Take lane l back to the begin of the last block, but for its snap, which stays observed.
 
-    begun: rows of the work array from STATE to before U, as the last block began; from there the
-        shorter steps take a lane on
+    begun: rows of the work array from STATE to before U, as the block began
     """
-    X, V, dt = numbers(work), vectors(work, len(shape)), task.dt[cell]
-    is_new, is_short = X[R.SHORT, l] == 0.0, X[R.SHORT, l] > 0.0
-    has_passed = state.steps[l] * X[R.DT, l] > (X[R.COUNT, l] + BLOCK) * dt
-    is_calm = has_passed and energies(X, V, len(shape), l)[0] < CALM * X[R.BARRIER, l]
-    if is_short == (not is_calm or is_new):
-        return
-    if not is_short:
-        w, w_before, count = X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l]
-        work[R.STATE * LANES + l : (R.VECTORS + R.U * len(shape)) * LANES : LANES] = begun[l::LANES]
-        X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l] = w, w_before, count
-        state.steps[l] -= BLOCK
-        dt = task.dt_after_snap[cell]
-    change_step(work, shape, laws, l, dt, cell, state, task)
-    X[R.SHORT, l] = -1.0 if is_short else 1.0
+    X = numbers(work)
+    w, w_before, count = X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l]
+    work[R.STATE * LANES + l : (R.VECTORS + R.U * modes) * LANES : LANES] = begun[l::LANES]
+    X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l] = w, w_before, count
+    state.steps[l] -= BLOCK
 
 
 @compiled
@@ -390,6 +372,8 @@ def follow_all(
     work: np.ndarray, shape: Shape, laws: LaneLaws | None, leaps: tuple[()] | None, task: Task
 ) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past.
+
+    Once a cell has snapped its steps are `dt_wild`, and `dt_calm` while its beam is calm.
 
     leaps: () if runs leave out quiet time, else None, by whose type they are compiled without it
     """
@@ -429,7 +413,17 @@ def follow_all(
                 cell_in[l], state.lasts[l] = -1, 0
                 running -= 1
                 continue
-            if X[R.W, l] <= X[R.TARGET, l] and task.dt_after_snap[cell] < task.dt[cell]:
-                suit_step(work, shape, laws, l, cell, begun, state, task)
+            is_short, was_short, dt = False, X[R.SHORT, l] == 1.0, task.dt[cell]
+            if X[R.W, l] <= X[R.TARGET, l] and task.dt_wild[cell] < dt:
+                # The snap is seen up to a block late, and the energy that it frees later.
+                is_late = state.steps[l] * X[R.DT, l] > (X[R.COUNT, l] + BLOCK) * dt
+                energy = energies(X, V, len(shape), l)[0]
+                is_short = not (is_late and energy < CALM * X[R.BARRIER, l])
+            if is_short and not was_short:
+                take_back(work, len(shape), l, begun, state)
+                change_step(work, shape, laws, l, task.dt_wild[cell], cell, state, task)
+                X[R.SHORT, l] = 1.0
+            elif was_short and not is_short:
+                change_step(work, shape, laws, l, task.dt_calm[cell], cell, state, task)
             elif leaps is not None and state.steps[l] < state.lasts[l]:
                 leave_out(work, shape, l, state, task.pulses)

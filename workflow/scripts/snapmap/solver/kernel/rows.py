@@ -27,8 +27,8 @@ LAST_SWING, SINCE, BEYOND_SINCE, WORST, AT_START, LOWEST = range(49, 55)
 C, DT, YIELDS, DRAG, DY_BEFORE, LOW, HIGH, FAR, FREE, HOLD = range(55, 65)
 PER, PLACE, SHARE, MISS, GUESS, FROM, RISE, PUSH, PUSH_BEFORE = range(65, 83, 2)
 ENERGY, ENERGY_BEFORE, CUBIC = 83, 85, 87
-SHORT = 95
-STATE = 96
+# SHORT: whether the steps are those after a snap.
+SHORT, STATE = 95, 96
 Y, DY, Q, OVERLAP = range(96, 100)
 W_BEFORE, W, COUNT, WORK, GROSS_WORK, SWEPT, BEAM_SWEPT, BEYOND, LOST = range(100, 109)
 # Vectors of k rows, from row VECTORS on: the state; scratch; the device's; S, k vectors.
