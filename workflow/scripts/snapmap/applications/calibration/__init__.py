@@ -64,11 +64,5 @@ class Calibration(Application):
         """A figure of all shots."""
         return {"calibration": {}}
 
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw shots over the fitted threshold and its band, by shape and direction."""
-        from .figure import draw_calibration
-
-        draw_calibration(figure, data)
-
 
 application = Calibration()

@@ -65,11 +65,5 @@ class Histories(Application):
         """A figure for each cell."""
         return {f"history_{cell.name}": {} for cell in study.requests["histories"]}
 
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw motion, forces and energies over time."""
-        from .figure import draw_history
-
-        draw_history(figure.subplots(3, sharex=True, height_ratios=[2, 1, 1]), data)
-
 
 application = Histories()

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
+from ...numerics.portable import sines
 from ...pulse.pulse import Pulse, straight
 from ...values.kinds import Whole
 from ...values.quantities import Value
@@ -84,8 +85,6 @@ class Spectrum:
         length: s; seed: of the phases
         Returns the record over its peak, and the peak, multiples of g.
         """
-        from .sums import sines  # numba, for which no config that is read has to wait
-
         samples = 1 << math.ceil(math.log2(PER_PERIOD * self.f[-1] * length))
         lines = np.arange(1, math.floor(self.f[-1] * length) + 1)
         f, share = lines / length, lines / samples

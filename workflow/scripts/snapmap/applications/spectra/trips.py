@@ -160,14 +160,3 @@ def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
     first = factors[(snaps == 1).any(axis=0)].min(initial=np.inf)
     last = factors[stays.any(axis=0)].max(initial=0)
     return factors[none].max(initial=0), first, last, factors[every].min(initial=np.inf)
-
-
-def summary(tested: xr.Dataset) -> str:
-    """Write in a line the share of runs that snap, up to which factor none and from which all."""
-    quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
-    words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
-    if quiet:
-        words.append(f"none up to {quiet:.2g} times it")
-    if sure < np.inf:
-        words.append(f"all from {sure:.2g} times it")
-    return ", ".join(words)
