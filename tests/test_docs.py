@@ -76,7 +76,7 @@ def test_the_demands_of_the_recipe_are_read(root, sensor):
     assert [shock.snaps for shock in shocks_of(study)] == [True, False, False, False]
     required = study.requests["requirements"]
     durations = [each.duration for each in required if isinstance(each, RequiredVibration)]
-    assert durations == [180.0]
+    assert durations == [180e6]
 
 
 def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):

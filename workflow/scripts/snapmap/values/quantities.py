@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
+from ..files.text import is_title
 from .arguments import Reading
 from .kinds import Fitting, Flag, Number, Quantity, Several, Whole
 from .units import OF_DAMPER
@@ -46,6 +47,9 @@ def _is_there(value):
     return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
 
 
+_LINE = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
+_SIGNS = {"type": "string", "maxLength": 60}
+Title = Annotated[str, Fitting(_LINE, is_title, json=_SIGNS)]
 ExistingPath = Annotated[str | PathLike, Fitting("the path of a file that is there", _is_there)]
 
 # fmt: off

@@ -14,7 +14,7 @@ from ...files.text import plain
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy
 from ...study.axes import KIND_OF, attributes_of, frequencies, unit_on
-from ...study.shock import Shock, take_shock
+from ...study.shock import Shock
 from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
@@ -102,7 +102,7 @@ def design(
     2.1
     """
     start = study.start
-    required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    required = _single_shocks(goal.under(study.shocks, start) for goal in requirements)
     f0 = frequencies(f0, duration)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:

@@ -24,7 +24,7 @@ from ...numerics.statistics import CONFIDENCE, DECIMALS, percents, scope, share_
 from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Requirements
 from ...study.axes import NAMES, attributes_of, frequencies
-from ...study.shock import Shock, take_shock
+from ...study.shock import Shock
 from ...study.study import ANY, ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
@@ -106,7 +106,7 @@ def tolerance(
     >>> round((made.N_std / made.N_mean).item(), 2)
     0.1
     """
-    shocks = [take_shock(required, study.shocks) for required in requirements]
+    shocks = [required.under(study.shocks) for required in requirements]
     tolerances = Tolerances(scatters, together, samples, index_samples, seed)
     axes = {"C": C, "f0": frequencies(f0, duration), "N": N}
     return tolerances_of(study, axes, tolerances, shocks, threshold_tolerance)
