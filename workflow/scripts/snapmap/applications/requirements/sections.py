@@ -55,7 +55,7 @@ class ShockSection(PulseSection, Demand):
         shocks = self.shocks_from(self._inheriting(pulse))
         if self.N is None and self.drop is None:
             raise ValueError(f".N: missing; write {kind_of(Positive).asks}")
-        return self.shock(self.kind, shocks, shocks.pulse.peak / gravity)
+        return self.shock(self.kind, shocks, shocks.pulse.peak / gravity if self.drop else 0.0)
 
     def _inheriting(self, pulse):
         """Values of its pulse; shape, shares and direction that it lacks are those of the study's.
