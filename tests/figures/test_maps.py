@@ -124,7 +124,6 @@ def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_i
     words = legend_words(end_map(cells))
     assert words == ["tripped, settled (2 cells)", "ends elsewhere with another step (4 cells)"]
     counted = with_summary(cells)
-    assert counted.attrs["share_settled"] == 1
     assert summary(counted).startswith(
         "6 cells, all settled; 4 change side with a smaller time step; "
     )

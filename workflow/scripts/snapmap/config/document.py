@@ -11,7 +11,8 @@ from ..files.text import describe
 from ..solver.options import Model
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
 from ..study.arguments import AxesOfDevice
-from ..study.axes import COORDINATES, KIND_OF, one_time
+from ..study.axes import COORDINATES, KIND_OF
+from ..values.arguments import one_time
 from ..values.kinds import Several, Word, kind_of
 from ..values.quantities import (
     Amplitudes,

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
-from ..device.device import Beam, Device, is_bistable
-from ..files.text import plain
+from ..device.device import Beam, Device
 from ..solver.settings import FIRST
 from .plausible import implausible, unusual_runs
 from .points import read_points
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
 HARDLY = 0.05
 """Barrier of the way back over that of the way there below which a device is hardly bistable."""
-LESS = np.linspace(0.8, 1, 1001)
-"""Shares of the rise of which the least with a second stable shape is told."""
 TILTING = 8
 """Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
@@ -85,17 +82,8 @@ def barely(device: Device) -> str:
     beam, shapes = device.beam, shapes_of(device.beam)
     there = find_barrier(beam, shapes).energy
     back = there - float(second_shape(beam, shapes).energy)
-    if not 0 < back < HARDLY * there:
-        return ""
     words = f"hardly bistable: the barrier of the way back is {back:.3g} pJ of {there:.3g} pJ there"
-    exists = is_bistable(device, {"rise": beam.rise * LESS}, LESS.size)
-    if not exists[0]:
-        least = LESS[exists].min()
-        words += (
-            f"; rise/thickness = {plain(beam.rise / beam.thickness)} is near "
-            f"{plain(least * beam.rise / beam.thickness, 3)}, below which there is no second shape"
-        )
-    return words
+    return words if 0 < back < HARDLY * there else ""
 
 
 def tilting(beam: Beam) -> str:

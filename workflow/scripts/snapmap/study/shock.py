@@ -7,11 +7,11 @@ from typing import Annotated, TypeVar
 from ..numerics.statistics import CONFIDENCE
 from ..pulse.shocks import Directions, Pulses, Shocks
 from ..solver.settings import FIRST, STARTS
-from ..values.arguments import Reading
+from ..values.arguments import Reading, one_time
 from ..values.kinds import Kind, Word, kind_of
 from ..values.quantities import Frequency, Positive, PulseTime, Share, Title
 from ..values.records import record
-from .axes import frequency_of, one_time
+from .axes import frequency_of
 from .study import ANY, ARRIVES, Study
 
 # ASSUME: of devices whose strengths scatter all but one in a thousand must survive.

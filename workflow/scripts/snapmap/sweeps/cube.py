@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..solver.adaptive import choose_model
 from ..solver.options import TOLERANCE
-from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere, shares
+from ..solver.outcome import ABSENT, OUTCOMES, count, ended_elsewhere
 from ..study.arguments import AnyStudy, Axes
 from ..study.axes import NAMES, frequencies, rows_of
 from ..study.variables import dress, flags, variables
@@ -147,7 +147,7 @@ def label_distance(model: Mapping) -> float | None:
 
 
 def with_summary(cube: xr.Dataset) -> xr.Dataset:
-    """Add attributes: the numbers of cells, and the shares of `outcome.shares`.
+    """Add attributes: the numbers of cells.
 
     Counted are the cells of each outcome, those that end elsewhere with another time step, and
     those whose labels may be wrong.
@@ -162,7 +162,7 @@ def with_summary(cube: xr.Dataset) -> xr.Dataset:
         named[ELSEWHERE] = sum(int(block.sum()) for block in _blocks(apart))
     if "label_distance" in cube.t_snap.attrs:
         named[NEAR_CHANGE] = round(sum(map(_near_change(cube), _blocks(cube.t_snap))))
-    return cube.assign_attrs(named | shares(counts))
+    return cube.assign_attrs(named)
 
 
 def _near_change(cube):

@@ -1,6 +1,5 @@
 """The threshold surface over damping and frequency as an xarray dataset."""
 
-import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -101,7 +100,6 @@ def thresholds_of(
     search = search_of(study, grid)._replace(tolerance=tolerance, highest=highest)
     columns, rows, decides = _search(search, grid), search.rows, search.models.decides
     columns["N_bound"][least_amplitudes(decides, rows, study.start) == 0] = np.nan
-    warn_of_bars(columns["N_first"], columns["N_error"], tolerance)
     columns["N_latched"] = _find_latched(search, columns)
     peak = np.array([pulse.peak for pulse in rows.pulses])
     if np.isfinite(peak).any():
@@ -158,19 +156,3 @@ def _variables(grid, columns):
         key: (dims[: last + values.ndim], values.reshape(*grid.shape, *values.shape[1:]))
         for key, values in columns.items()
     }
-
-
-def warn_of_bars(N: np.ndarray, error: np.ndarray, tolerance: float) -> None:
-    """Warn, in one line, that error bars are wider than a tolerance below the default one.
-
-    N, error: multiples of g, (rows,), NaN where there is no threshold
-    """
-    bars = (error / N)[np.isfinite(N)]
-    wider = bars[bars > 2 * tolerance]
-    if tolerance < THRESHOLD_TOLERANCE and wider.size:
-        warnings.warn(
-            f"tolerance: {tolerance:g} bounds only the refinement; errors of model and step make "
-            f"N_error wider in {wider.size} of {bars.size} rows, {np.median(wider):.1g} of "
-            "N in the median",
-            stacklevel=2,
-        )

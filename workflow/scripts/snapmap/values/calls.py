@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import NoneType
 from typing import Any, get_args
 
-from .arguments import Argument, Reading, by_name, convert
+from .arguments import Argument, Reading, by_name, convert, one_time
 from .faults import Faults, WrongCall
 from .kinds import argument_of
 
@@ -53,11 +53,11 @@ def _one_time(arguments, given):
     """Let f0 be left out beside a duration, which excludes it; returns lines by name."""
     if not {"f0", "duration"} <= arguments.keys():
         return {}
+    written = {key for key in given if given[key] is not None}
+    faults = one_time(written, lasts_itself="f0" in given or arguments["f0"].is_optional)
     if "duration" in given:
-        both = given.setdefault("f0") is not None and given["duration"] is not None
-        return {"duration": "excludes f0, which is 1/duration; write one of them"} if both else {}
-    is_missing = "f0" not in given and not arguments["f0"].is_optional
-    return {"f0": "missing; write f0 or duration"} if is_missing else {}
+        given.setdefault("f0")
+    return faults
 
 
 class _Words(str):

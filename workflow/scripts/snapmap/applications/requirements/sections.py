@@ -8,10 +8,9 @@ from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes
 from ...config.study import require_start
 from ...files.text import show
 from ...pulse.shocks import each_form
-from ...study.axes import one_time
 from ...study.shock import Demand
 from ...study.study import ANY
-from ...values.arguments import Reading
+from ...values.arguments import Reading, one_time
 from ...values.faults import at_key
 from ...values.kinds import Kind, kind_of
 from ...values.quantities import Positive

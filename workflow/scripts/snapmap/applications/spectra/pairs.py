@@ -8,10 +8,11 @@ import numpy as np
 
 from ...files.text import describe
 from ...pulse.pulse import G
+from ...values.arguments import Reading
 from ...values.faults import Faults, few
-from ...values.kinds import CONFIG, Kind, kind_of
+from ...values.kinds import Kind, kind_of
 from ...values.quantities import Frequency, single
-from ...values.units import is_plain, plain_numbers
+from ...values.units import is_plain
 
 LEAST = 2
 """Least number of points."""
@@ -41,52 +42,39 @@ class Points(Kind):
     @property
     def asks(self) -> str:
         """What is right in a config, in words that follow "write"."""
-        return f"a list of two pairs or more of a frequency and a {self.noun}, ascending"
+        return f"a list of two pairs or more of a frequency and a {self.noun}, above 0, ascending"
 
-    def take(self, value: object) -> np.ndarray:
-        """Convert pairs to an array, (points, 2)."""
-        if isinstance(value, list | tuple) and all(_is_pair(item) for item in value):
-            value = [[kind_of(Frequency).take(f), self._taken(level)] for f, level in value]
-        points = plain_numbers(value)
-        if points is None or points.ndim != 2 or points.shape[1] != 2 or len(points) < LEAST:
-            raise self.refuse(value)
-        if not (np.isfinite(points).all() and (points > 0).all() and _ascends(points)):
-            raise self.refuse(value)
-        return points
-
-    def read(self, value: object) -> np.ndarray:
-        """Read a list of pairs."""
-        if not isinstance(value, list) or len(value) < LEAST:
-            raise self.refuse(value, CONFIG)
+    def convert(self, value: object, reading: Reading) -> np.ndarray:
+        """Convert pairs to an array, (points, 2); of Python also an array."""
+        pairs = value.tolist() if isinstance(value, np.ndarray) else value
+        if not isinstance(pairs, list | tuple) or len(pairs) < LEAST:
+            raise self.refuse(value, reading)
         points, faults = [], []
-        for place, item in enumerate(value):
-            if not _is_pair(item):
+        for place, item in enumerate(pairs):
+            if not (isinstance(item, list | tuple) and len(item) == 2):
                 faults.append(f"[{place}]: {describe(item)} is not a pair")
                 continue
-            for inner, read in enumerate((kind_of(Frequency).read, self._level)):
+            for inner, convert in enumerate((kind_of(Frequency).convert, self._level)):
                 try:
-                    points.append(read(item[inner]))
+                    points.append(convert(item[inner], reading))
                 except ValueError as error:
                     faults.append(f"[{place}][{inner}]: {error}")
         if faults:
             raise Faults(*few(faults))
-        pairs: np.ndarray = np.reshape(points, (-1, 2))
-        if not ((pairs > 0).all() and _ascends(pairs)):
-            raise ValueError(f"frequencies and levels are not {self.asks} above 0")
-        return pairs
+        made: np.ndarray = np.reshape(points, (-1, 2))
+        if not ((made > 0).all() and (np.diff(made[:, 0]) > 0).all()):
+            raise ValueError(f"frequencies and levels are not {self.wants(reading)}")
+        return made
 
     def schema(self) -> dict:
         """Describe a list of pairs."""
         pair = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
         return {"type": "array", "items": pair, "minItems": LEAST}
 
-    def _taken(self, level):
-        """Take a number, or text with a unit."""
-        kind = single(f"a {self.noun}")
-        return self._level(level) if isinstance(level, str) else kind.take(level)
-
-    def _level(self, value):
-        """Convert text with a unit."""
+    def _level(self, value, reading):
+        """Convert text with a unit, or a number of Python."""
+        if not (reading.written or isinstance(value, str)):
+            return single(f"a {self.noun}").take(value)
         match = _LEVEL.fullmatch(value.strip()) if isinstance(value, str) else None
         number, unit = match.groups() if match else ("", "")
         unit = unit.replace("**", "^").replace("²", "^2").replace(" ", "")
@@ -95,11 +83,3 @@ class Points(Kind):
             such = ", ".join(self.units)
             raise ValueError(f"{describe(value)} {lacks}; write a {self.noun} in one of {such}")
         return float(number) * self.units[unit]
-
-
-def _is_pair(item):
-    return isinstance(item, list | tuple) and len(item) == 2
-
-
-def _ascends(points):
-    return (np.diff(points[:, 0]) > 0).all()
