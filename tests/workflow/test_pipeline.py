@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import time
 import zipfile
 
 import psutil
@@ -269,6 +270,7 @@ def test_copied_results_of_the_same_study_are_kept_whatever_their_times(clone, c
     for number, path in enumerate(sorted((folder / "results").rglob("*.*"))):
         os.utime(path, (2e9 - number, 2e9 - number))  # in 2033, and in a foreign order
     assert "Nothing to be done" in snakemake(clone, folder, config, "--dry-run")[1]
+    assert (folder / "results" / "cube.nc").stat().st_mtime <= time.time()
 
 
 def test_what_no_run_has_listed_or_what_has_changed_since_is_made_again(clone, copied):

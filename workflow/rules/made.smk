@@ -31,6 +31,8 @@ if workflow.is_main_process:
         tell(made.say_why(others))
         for maker in makers:
             maker.set_input(force_others)
+    right = [path for path in made_from if path not in others]
+    made.mend_times({path: inputs.get(path, ()) for path in right})
     atexit.register(finish, os.getcwd())
 
 # The cells of each slab that is not there or is made again, by its name.

@@ -6,6 +6,7 @@ Neither names nor times tell of which study and code a file is, which may have b
 import fcntl
 import json
 import os
+import time
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from hashlib import blake2b
@@ -71,6 +72,22 @@ def hold_to_list(files: Iterable[str]) -> None:
     for name in files:
         if name in listed and listed[name][1] != fingerprint(name):
             raise ValueError(f"{name}: has changed since it was made; run again to make it anew")
+
+
+def mend_times(sources: Mapping[str, Collection[str]]) -> None:
+    """Set back the times of files that lie ahead, or after those of files made from them.
+
+    A copy may have any times. sources: of each right file what it was made from, which comes before
+    """
+    latest = dict.fromkeys(sources, time.time_ns())
+    for name in reversed(sources):
+        with suppress(OSError):  # it may be another user's
+            at = os.stat(name).st_mtime_ns
+            latest[name] = min(at, latest[name])
+            if at > latest[name]:
+                os.utime(name, ns=(latest[name], latest[name]))
+        for source in sources[name]:
+            latest[source] = min(latest.get(source, latest[name]), latest[name])
 
 
 def remove_others(kept: Collection[str]) -> list[str]:
