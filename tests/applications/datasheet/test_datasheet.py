@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from snapmap.applications.datasheet.datasheet import datasheet
-from snapmap.applications.datasheet.parts import of_batch
+from snapmap.applications.datasheet.datasheet import datasheet, of_batch
 from snapmap.applications.electrode.closures import CLOSING
 from snapmap.applications.histories.history import extremes_of, free_travel
 from snapmap.applications.requirements.check import check, judge
-from snapmap.applications.requirements.shares import with_shares
+from snapmap.applications.requirements.summary import with_shares
 from snapmap.applications.requirements.verdict import at_corner
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.device.samples import Scatter, Tolerances

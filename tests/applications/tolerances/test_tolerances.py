@@ -18,9 +18,10 @@ from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
-from snapmap.applications.tolerances.sensitivity import crossed, indices
-from snapmap.applications.tolerances.statistics import (
+from snapmap.applications.tolerances.sensitivity import (
     count_below,
+    crossed,
+    indices,
     moments,
     quantile_bounds,
     quantiles,

@@ -13,13 +13,13 @@ class Calibration(Application):
 
     def section(self) -> tuple[Any, str]:
         """Shots and unknowns of a config."""
-        from .sections import CalibrationSection
+        from .shots import CalibrationSection
 
         return CalibrationSection, "values estimated from measured shots"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The `Calibration`, or None; ValueError, one line, for an invalid section."""
-        from .sections import read_calibration
+        from .shots import read_calibration
 
         if not section:
             return None

@@ -18,19 +18,20 @@ from ...values.kinds import Fitting, kind_of
 from ...values.quantities import Damper, ExistingPath
 from ...values.records import ByKeys
 from ...values.units import OF_DAMPER, plain_numbers
-from .likelihood import (
+from .shots import Shots, UnknownsSection, check_ranges, shots_from
+from .surface import (
     CONFIDENCE,
     PRIOR,
     SPREADS,
     Likelihood,
     Profile,
+    Surface,
     exp,
     information_at,
+    log_thresholds,
     reach,
+    surface_of,
 )
-from .sections import UnknownsSection
-from .shots import Shots, check_ranges, shots_from
-from .surface import Surface, log_thresholds, surface_of
 
 DIGITS = 6
 """Significant digits of fitted values; SciPy's last digits differ between machines."""

@@ -29,8 +29,7 @@ from ...study.study import ANY, ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
 from ...thresholds.population import Batch, choose_levels
 from ...values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Seed
-from .sensitivity import crossed, indices
-from .statistics import count_below, moments, quantile_bounds, quantiles
+from .sensitivity import count_below, crossed, indices, moments, quantile_bounds, quantiles
 
 QUANTILES = (0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999)
 ALL = 0.999

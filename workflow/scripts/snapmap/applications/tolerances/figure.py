@@ -18,7 +18,7 @@ from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope
 from ...study.study import ANY, SNAPS
 from ..requirements.figure import WRONG, required_text
-from ..requirements.shares import missing_fire
+from ..requirements.summary import missing_fire
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Dashes of the lines at which these shares of devices snap."""
