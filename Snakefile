@@ -37,7 +37,7 @@ from snapmap.sweeps.slabs import cells_in, slab_name
 from snapmap.workflow import made
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.plan import SHARED_SECONDS, make_plan
-from snapmap.workflow.products import choose_views
+from snapmap.workflow.plan import choose_views
 from snapmap.workflow.progress import ALL_CELLS, CELLS, Progress
 
 if not workflow.overwrite_configfiles:

@@ -17,7 +17,7 @@ from snapmap.applications.whole import files_of, load_config, planned_study
 from snapmap.config.points import read_points
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan, plan_with
-from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
+from snapmap.pulse.pulse import ACCELERATIONS, TIMES, read_pulse
 from snapmap.pulse.shocks import make_shocks
 
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}

@@ -15,7 +15,7 @@ from snapmap.applications.whole import doubts, load_config
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.modal import natural_frequency
 from snapmap.config.devices import read_device
-from snapmap.config.vibrations import vibrations
+from snapmap.config.doubts import vibrations
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.ledger import CellRun
 from snapmap.solver.models import build_model

@@ -19,7 +19,7 @@ from snapmap.files.atomic import fingerprint, hold, refuse_others
 from snapmap.files.tables import read_rows
 from snapmap.files.text import exact, is_showable, stem_of
 from snapmap.solver.options import Cosines
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 from snapmap.thresholds.summary import write_thresholds
 
 
@@ -131,7 +131,7 @@ OPENED = """
 import ctypes, sys
 {first}
 import snapmap
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 cube = snapmap.open_cube(sys.argv[1])
 write(cube[["t_snap"]], sys.argv[1] + ".nc")
 """

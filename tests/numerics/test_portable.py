@@ -25,8 +25,9 @@ ALLOWED = {
         "numerics/statistics.py:share_bounds",
     ),
     "only counts, compares or predicts": (
-        *("applications/requirements/verdict.py:Verdict", "thresholds/regression.py"),
-        "thresholds/probe.py:amplitudes",
+        *("applications/requirements/verdict.py:Verdict", "thresholds/probe.py:amplitudes"),
+        *("thresholds/population.py:thresholds_of_samples", "thresholds/population.py:_expected"),
+        "thresholds/population.py:_scan_samples",
     ),
     "said on the page about running to differ between libraries": (
         *("applications/spectra/", "applications/statics/statics.py:_tilted"),

@@ -23,7 +23,7 @@ from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import FAILED, LATCHED, NEVER, RETURNED, SNAPPED
 from snapmap.study.provenance import hash_numbers
 from snapmap.workflow.made import HEAD, LIST, hash_of, list_made
-from snapmap.workflow.products import choose_views
+from snapmap.workflow.plan import choose_views
 
 JOBS = "workflow/scripts/jobs.py"
 DRAWING = {"draw_study", "draw_histories"}
@@ -319,7 +319,7 @@ def test_an_interrupted_growth_loses_nothing_and_joins_no_other_code(clone, copi
     pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     log = folder / "results" / "logs" / "find_threshold.log"
     log.unlink()
-    path = clone / "workflow" / "scripts" / "snapmap" / "sweeps" / "grid.py"
+    path = clone / "workflow" / "scripts" / "snapmap" / "sweeps" / "slabs.py"
     before = path.read_text(encoding="utf-8")
     with subprocess.Popen(command, **pipe) as run:
         wait_for(log.exists)

@@ -21,8 +21,8 @@ from snapmap.applications import attached
 from snapmap.config.points import read_points
 from snapmap.figures import maps, scales, style
 from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
-from snapmap.study.netcdf import open_whole
 from snapmap.study.provenance import hash_drawing
+from snapmap.study.variables import open_whole
 from snapmap.workflow.job_log import end_with, run_rule
 
 

@@ -17,7 +17,7 @@ from snapmap.applications.whole import load_config
 from snapmap.figures.states import ABSENT, ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 
 ALWAYS, FIRST, _, CHOSEN, POINTS = range(1, 6)
 """Which curve of the map is which."""

@@ -320,7 +320,7 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     study = load_config(document | {"requirements": asked, "tolerances": {"thickness": "1 %"}})
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
-    monkeypatch.setattr("snapmap.study.netcdf.write_product", lambda *made: written.append(made))
+    monkeypatch.setattr("snapmap.study.variables.write_product", lambda *made: written.append(made))
     tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}

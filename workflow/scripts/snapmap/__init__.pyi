@@ -10,8 +10,8 @@ from .device.curved_beam import Beam as Beam
 from .device.device import Device as Device
 from .figures.maps import plot_outcome as plot_outcome
 from .pulse.pulse import Pulse as Pulse
+from .pulse.pulse import read_pulse as read_pulse
 from .pulse.pulse import sampled as sampled
-from .pulse.recorded import read_pulse as read_pulse
 from .solver.options import Auto as Auto
 from .solver.options import Cosines as Cosines
 from .solver.options import Elements as Elements

@@ -117,7 +117,7 @@ class Application:
         return ()
 
     def counts(self, study: Config) -> Mapping[str, int]:
-        """How much it computes, by the words of `workflow.cost.RUNS`."""
+        """How much it computes, by the words of `workflow.plan.RUNS`."""
         return {}
 
     # What it makes.
@@ -194,7 +194,7 @@ class Application:
         files: as `drawn_from` names them
         """
         from ..figures import style
-        from ..study.netcdf import open_whole
+        from ..study.variables import open_whole
 
         draw = import_module(f"{type(self).__module__}.figure").draw
         (paths,) = files.values()

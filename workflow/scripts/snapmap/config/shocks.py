@@ -5,8 +5,7 @@ from dataclasses import KW_ONLY, fields
 from typing import Annotated, Literal
 
 from ..files.named import sha256_of
-from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, Form, ShapeName
-from ..pulse.recorded import RECORD
+from ..pulse.pulse import DIRECTIONS, RECORD, SHAPES, SHARES, Form, ShapeName
 from ..pulse.shocks import MAKERS, Shocks, make_shocks
 from ..pulse.trains import Blow, Drop
 from ..values.faults import at_key

@@ -10,9 +10,8 @@ from dataclasses import asdict
 import numpy as np
 
 from ..values import quantities
-from ..values.fields import hints
 from ..values.kinds import Number, Quantity, kind_of
-from ..values.records import assemble, record
+from ..values.records import assemble, hints, record
 from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
 from .usual import require

@@ -9,8 +9,7 @@ import numpy as np
 from ..values.faults import at_key, line_at
 from ..values.kinds import Fitting
 from ..values.records import build
-from .pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, Pulse, make_pulse
-from .recorded import read_pulse
+from .pulse import DIRECTIONS, SHAPES, SHARES, VERSED_SINE, Form, Pulse, make_pulse, read_pulse
 from .trains import make_drop, make_train
 
 MAKERS = {"train": make_train, "drop": make_drop}

@@ -15,7 +15,7 @@ from ..study.arguments import AnyStudy, Axes
 from ..study.axes import NAMES, frequencies, rows_of
 from ..study.variables import dress, flags, variables
 from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes
-from .grid import Observers, follow_rows
+from .slabs import Observers, follow_rows
 
 LABEL_DISTANCE = 0.01
 """Relative distance from a well-posed threshold within which labels may be wrong, with three

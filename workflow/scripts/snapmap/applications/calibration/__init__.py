@@ -53,7 +53,7 @@ class Calibration(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Fit the unknowns to the shots."""
-        from ...study.netcdf import write_product
+        from ...study.variables import write_product
         from .dataset import calibration_of, summary
 
         shots, _, unknowns, C = study.requests["calibration"]

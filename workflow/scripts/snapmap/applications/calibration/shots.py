@@ -13,8 +13,7 @@ from ...device.device import VALUES, Device, is_bistable
 from ...files.named import inside, naming, read_named, sha256_of
 from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ...files.text import show
-from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
-from ...pulse.recorded import RECORD, read_pulse
+from ...pulse.pulse import DIRECTIONS, RECORD, N_of_g, Pulse, read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 from ...study.axes import KIND_OF
 from ...values.kinds import Pair

@@ -52,7 +52,7 @@ class Histories(Application):
         from dataclasses import replace
 
         from ...study.axes import attributes_of
-        from ...study.netcdf import write
+        from ...study.variables import write
         from .history import history_of
 
         shocks = study.shocks.first()

@@ -31,7 +31,7 @@ class Laws(Application):
 
     def run(self, study: Config, threshold_path: str, path: str) -> None:
         """Compare the laws with the thresholds of the first device and pulse."""
-        from ...study.netcdf import open_whole, write_product
+        from ...study.variables import open_whole, write_product
         from .laws import laws_of, summary
 
         with open_whole(threshold_path) as thresholds:

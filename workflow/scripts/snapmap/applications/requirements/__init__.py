@@ -100,7 +100,7 @@ class Requirements(Application):
 
     def run(self, study: Config, path: str, tolerance_path: str = "") -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
-        from ...study.netcdf import open_whole
+        from ...study.variables import open_whole
         from .summary import sum_up, with_shares
         from .verdict import write_verdicts
 

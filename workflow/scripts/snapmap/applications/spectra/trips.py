@@ -14,8 +14,8 @@ from ...solver.cost import tell
 from ...study.arguments import AnyStudy, Axes
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...thresholds.cost import run_seconds
 from ...thresholds.probe import Probe
+from ...thresholds.survey import run_seconds
 from ...values.quantities import Dampers, Seed
 from .psd import Records
 from .srs import Levels, check_points, draw_seconds, record

@@ -18,7 +18,7 @@ class Statics(Application):
 
     def run(self, study: Config, statics_paths: list[str]) -> None:
         """Write the statics of each device."""
-        from ...study.netcdf import write
+        from ...study.variables import write
         from .statics import statics_of
 
         for device, path in zip(study.devices().values(), statics_paths, strict=True):

@@ -47,7 +47,7 @@ class Window(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Find where required shocks are met, and which share of devices meets them."""
-        from ...study.netcdf import write_product
+        from ...study.variables import write_product
         from .window import summary, window_of
 
         tolerances = study.requests.get("tolerances")
