@@ -1,4 +1,4 @@
-"""Makes docs/pictures: the map of the first page beside speed against error, laws, some figures.
+"""Makes docs/pictures: the first page's sensor and map, and its badges; speeds, laws, some figures.
 
 ./run python docs/make_pictures.py build/tutorial/results/figures
 
@@ -7,15 +7,17 @@ of docs/tables/peers_map.csv.
 """
 
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 
 import snapmap
 from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
-from snapmap.figures import maps, scales, style
+from snapmap.figures import scales, style
 from snapmap.solver.laws import load_laws
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -27,10 +29,10 @@ GALLERY = "snap_maps", "thresholds", "requirements", "probability"
 C = 25.0
 SHOWN = {
     "snapmap": ("snapmap", "C5", "o", (-8, 9)),
-    "snapmap, no proofs": ("without proofs", "C5", ".", (-26, -14)),
+    "snapmap, to the end": ("runs to the end", "C5", ".", (-8, -15)),
     "numba loop": ("numba loop", "C1", "s", (5, -9)),
     "heyoka": ("heyoka", "C0", "D", (-9, 8)),
-    "handout's plain loop": ("handout's plain loop", "0.4", "v", (0, 8)),
+    "plain loop": ("plain loop", "0.4", "v", (0, 8)),
     "diffrax": ("diffrax", "0.4", "P", (-9, 8)),
     "SciPy": ("SciPy", "0.4", "X", (-9, 8)),
 }
@@ -46,22 +48,89 @@ LAWS = {
 """Examples of a user's own laws, with N and C (uN us/um) of a shock of 1.5 kHz."""
 
 
+BADGE = """\
+<svg xmlns="http://www.w3.org/2000/svg" width="{all}" height="20" role="img">
+<title>{what}: {is_}</title>
+<rect width="{all}" height="20" fill="#555"/>
+<rect x="{left}" width="{right}" height="20" fill="#2a6f97"/>
+<g fill="#fff" font-family="Verdana,sans-serif" font-size="11" text-anchor="middle">
+<text x="{half}" y="14">{what}</text><text x="{other}" y="14">{is_}</text></g></svg>
+"""
+
+
 def main(figures):
+    draw_badges(PICTURES)
     with style.paper():
-        figure = style.double_column(height=4)
-        left, right = figure.subfigures(1, 2)
-        maps.draw_map(left.subplots(), *snaps())
-        draw_speeds(right.subplots())
+        figure = style.double_column(height=2.9)
+        left, right = figure.subplots(1, 2, width_ratios=(2, 3))
+        draw_sensor(left)
+        draw_shocks(right, *snaps())
         figure.savefig(PICTURES / "map.png", dpi=200)
+        figure = style.single_column(height=4)
+        draw_speeds(figure.subplots())
+        figure.savefig(PICTURES / "speed.png", dpi=200)
         figure = style.double_column(height=3.2)
         for ax, (law, cell) in zip(figure.subplots(1, 4, sharey=True), LAWS.items(), strict=True):
             draw_law(ax, law, *cell)
         style.legend(figure, style.labelled(figure.axes[:1]), ncols=2)
         figure.savefig(PICTURES / "laws.png", dpi=200)
-    for name in ("map", "laws"):
+    for name in ("map", "speed", "laws"):
         reduce_colours(PICTURES / f"{name}.png", PICTURES / f"{name}.png")
     for name in GALLERY:
         reduce_colours(Path(figures) / f"{name}.png", PICTURES / f"{name}.png")
+
+
+def draw_badges(folder: Path) -> None:
+    """Write what pyproject.toml says of Python and licence as small pictures."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    versions = [words.rpartition(" ")[2] for words in project["classifiers"] if ":: 3." in words]
+    says = {"python": f"{versions[0]} to {versions[-1]}", "licence": project["license"]}
+    for what, is_ in says.items():
+        left, right = 7 * len(what) + 10, 7 * len(is_) + 10
+        sizes = {"all": left + right, "left": left, "right": right}
+        sizes |= {"half": left // 2, "other": left + right // 2}
+        text = BADGE.format(what=what, is_=is_, **sizes)
+        (folder / f"{what}.svg").write_text(text, encoding="utf-8")
+
+
+def draw_sensor(ax: Axes) -> None:
+    """Draw the beam in both shapes, and the mass on its spring."""
+    x = np.linspace(0, 1, 101)
+    shape = 0.5 * (1 - np.cos(2 * np.pi * x))
+    ax.plot(x, shape, color="C5", linewidth=3)
+    ax.plot(x, -0.94 * shape, color="C5", linewidth=2, linestyle="--")
+    for end in (-0.08, 1.0):
+        ax.fill_between([end, end + 0.08], -0.45, 0.45, color="0.7")
+    ax.fill_between([0.32, 0.68], 1.05, 1.65, color="0.35")
+    turns = np.linspace(1.65, 2.35, 9)
+    ax.plot(0.5 + 0.04 * np.array([0, 0, 1, -1, 1, -1, 1, 0, 0]), turns, color="0.35")
+    ax.fill_between([0.2, 0.8], 2.35, 2.5, color="0.7")
+    ax.text(0.5, 1.33, "mass", color="white", ha="center", va="center")
+    ax.text(0.5, 0.6, "curved beam", ha="center")
+    ax.text(0.5, -1.2, "its second shape", ha="center")
+    arrow = {"arrowstyle": "-|>", "color": "C1", "linewidth": 2}
+    ax.annotate("", (0.9, 0.95), (0.9, 1.75), arrowprops=arrow)
+    ax.text(0.9, 1.85, "shock", ha="center")
+    ax.set(xlim=(-0.1, 1.1), ylim=(-1.25, 2.6), title="A shock drives the mass onto the beam.")
+    ax.set_axis_off()
+
+
+def draw_shocks(ax: Axes, cells: xr.Dataset, edges: xr.Dataset) -> None:
+    """Draw which shocks snap the beam, over duration and peak, and the threshold."""
+    snapped = cells.t_snap.notnull().transpose("N", "f0")
+    lasts = 1e3 / cells.f0
+    ax.contourf(lasts, cells.N, snapped, levels=(-1, 0.5, 2), colors=("#d3dde6", "#6fac9c"))
+    ax.plot(1e3 / edges.f0, edges.N_first, color="black")
+    ax.set(xscale="log", xlim=(lasts.max(), lasts.min()), ylim=(600, 2400))
+    scales.tick(ax.xaxis, lasts.min(), lasts.max())
+    ax.text(2, 1700, "The beam snaps.", ha="center")
+    ax.text(2, 750, "The beam does not snap.", ha="center")
+    one = edges.sel(f0=1e3, method="nearest")
+    at, words = (1e3 / one.f0, one.N_first), f"threshold at 1 ms: {one.N_first:.0f} g"
+    arrow = {"arrowstyle": "-", "color": "black"}
+    ax.annotate(words, at, (0.8, 1250), ha="center", arrowprops=arrow)
+    ax.set(xlabel="duration of the shock (ms)", ylabel="peak of the shock (g)")
+    ax.set_title("Which shocks snap it?")
 
 
 def snaps():
@@ -69,7 +138,7 @@ def snaps():
     study = load_config(read_document(ROOT / "config" / "config.yaml"))
     asked = snapmap.Study(study.device, **vars(study.run.but(threads=2)))
     cells = snapmap.sweep(asked, study.axes["N"], study.axes["f0"], [C])
-    fine = np.geomspace(*study.axes["f0"][[0, -1]], 121)
+    fine = np.sort([*np.geomspace(*study.axes["f0"][[0, -1]], 121), 1e3])
     edges = snapmap.threshold(asked, fine, [C])
     return cells.squeeze("C"), edges.squeeze("C")
 

@@ -182,7 +182,7 @@ def find_posed(device: Device, speeds: np.ndarray, dampings: tuple[float, ...]) 
 
 def all_points(points: pd.DataFrame) -> Table:
     """Make a table of all points; errors in per cent, that of the reference in the last column."""
-    head = ["pulses", "model", "step or tolerance", "rows", *(f"{key}, %" for key in ERRORS)]
+    head = ["pulses", "model", "step or tolerance", "thresholds", *(f"{key}, %" for key in ERRORS)]
     rows = [
         [*(str(p[key]) for key in ("pulses", "model", "setting", "rows")), *written(p, ERRORS)]
         for p in points.to_dict("records")
@@ -192,7 +192,7 @@ def all_points(points: pd.DataFrame) -> Table:
 
 def default_points(points: pd.DataFrame) -> Table:
     """Make a table of the points at the default steps, a row for each model."""
-    columns = ["rows", "median, %", "90 %, %", "simulations/s"]
+    columns = ["thresholds", "median, %", "90 %, %", "simulations/s"]
     head = ["model", *(f"{speed}: {column}" for speed in SPEEDS for column in columns)]
     default = points[~points.setting.isin([f"{factor:g}" for factor in FACTORS if factor != 1])]
     rows = []

@@ -48,8 +48,9 @@ REACHES, WIDTH = (1.01, 1.1), 2 * CLOSE_STEP
 """Factors on a threshold within which the judges search in turn, and the width of the stretches
 that they see, as wide as `threshold` promises to see."""
 HORIZON = 1500.0
-HEAD = ["devices", "model", "rows", "posed", "within the bar", "clean and posed", "within the bar"]
-HEAD += ["largest, bars", "median bar, %", "s per threshold", "too slow to judge", "refused"]
+HEAD = ["devices", "model", "thresholds", "known", "within the error"]
+HEAD += ["clean and known", "within the error"]
+HEAD += ["largest, over the error", "median error bar, %", "s per threshold", "too slow", "refused"]
 
 
 def main():

@@ -56,7 +56,7 @@ def main():
 
 
 HEAD = "cosines", "step over the default", *LANDINGS, f"below {STRONG:g} N_first", "above", "all"
-HEAD += ("judged", "CPU, s")
+HEAD += ("known", "CPU, s")
 
 
 def rows():

@@ -44,7 +44,7 @@ def main():
     device = command_device()
     search = search_of(*planned(device, few(F0, 3), few(DAMPINGS, 2)))
     found = survey(search)
-    seen = {"the handout's": [below(search, found)], "random": [*of_random()]}
+    seen = {"the example": [below(search, found)], "random": [*of_random()]}
     write("islands", ragged_rows(search, found), missed(seen))
 
 
@@ -108,5 +108,6 @@ def missed(seen: dict[str, list[Seen]]) -> Table:
             wide, deep = width[which].max(initial=0), depth[which].max(initial=0)
             counts = np.sum(which), np.sum(width[which] > 0)
             rows.append([f"{whose}, {name}", *map(str, counts), f"{wide:.3%}", f"{deep:.1f}"])
-    head = ["rows", "number", "with snaps below the bar", "widest stretch", "deepest, bars"]
+    head = ["thresholds", "number", "with snaps below the error", "widest stretch"]
+    head += ["deepest, over the error"]
     return Table("islands_missed", head, rows)

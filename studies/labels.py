@@ -28,7 +28,7 @@ TRUE, STEP, NEAR, TOLERANCE = Cosines(modes=16), 0.125, 0.02, 1e-6
 of others' thresholds it seeks them, and how closely."""
 AROUND = np.concatenate([sign * np.geomspace(3e-5, 2e-2, 41)[::sign] for sign in (-1, 1)])
 """Relative distances of N from the true threshold."""
-HEAD = ["model", "`label_distance`, %", "clean rows", "of these beyond it"]
+HEAD = ["model", "`label_distance`, %", "clean thresholds", "of these beyond it"]
 HEAD += ["labels change within, median, %", "90 %", "largest"]
 
 

@@ -74,7 +74,7 @@ def curved_beam(device):
     ):
         level, slope = _line(basis)
         exact = np.pi**2 * mu**2 / 2
-        yield row(f"level, {name}", exact, level)
+        yield row(f"height, {name}", exact, level)
         yield row(f"slope, {name}", exact - 2 * np.pi**4, -slope)
 
 

@@ -54,7 +54,7 @@ ELSEWHERE = {
     "test_the_site_is_made_without_a_warning_and_asks_no_other_host": [
         "sphinx-build -EW -c docs/site . build/site"
     ],
-    "test_pictures_of_pages_are_few_and_small_and_the_first_has_the_numbers_of_the_table": [
+    "test_pictures_of_pages_are_small_and_have_the_numbers_of_today": [
         "python docs/make_pictures.py build/tutorial/results/figures"
     ],
     "test_the_recipes_in_python_run": ["python"],

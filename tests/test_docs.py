@@ -208,7 +208,7 @@ def test_the_tutorial_says_what_its_study_gives(root, tmp_path):
         row = edges.isel(C=0).sel(f0=1e3 / 1.003, method="nearest")
         assert f"{row.N_first.item():.1f} ± {row.N_error.item():.1f} g." in words
         same = int((edges.N_latched == edges.N_first).sum())
-        assert f"`N_first` itself in {same} of {edges.N_first.size} rows" in words
+        assert f"`N_first` itself in {same} of {edges.N_first.size} thresholds" in words
     crash, _, drop, _ = (each.margin for each in read_verdicts(results / "requirements.csv"))
     assert f"a threshold at {crash:.2f} times its amplitude, the drop at {drop:.2f}" in words
     with xr.open_dataset(results / "tolerance.nc") as made:

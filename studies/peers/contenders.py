@@ -13,8 +13,8 @@ from .numba_loop import by_numba
 from .scene import COSINES, ELEMENTS
 from .scipy_ivp import by_scipy
 
-OURS, NO_PROOFS = "snapmap", "snapmap, no proofs"
-NUMBA, PLAIN = "numba loop", "handout's plain loop"
+OURS, NO_PROOFS = "snapmap", "snapmap, to the end"
+NUMBA, PLAIN = "numba loop", "plain loop"
 PEERS = "heyoka", "diffrax"
 """Packages that follow cells; they are measured where they are installed."""
 FACTORS = 2.0, 1.0, 0.5, 0.25, 0.125

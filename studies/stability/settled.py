@@ -22,7 +22,7 @@ DAMPINGS = (0.025, 25.0)
 SETTINGS = Run()
 FURTHER = 10_000.0
 """Time for which runs are followed after the pulse, us."""
-HEAD = ["beam", "contact, N/m", "settled", "left their well"]
+HEAD = ["beam", "contact, N/m", "settled", "left their shape"]
 FREE = {"free": 1.0, "imperfection": 0.02, "thickness": 1.4, "residual_stress": -40.0}
 FREE |= {"damping": 4e-4}
 """A beam that is free to tilt and still has a second shape; um, MPa, 1/us."""

@@ -240,14 +240,14 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
         assert json.loads(image.info["Comment"]) == CONFIG
 
 
-def test_pictures_of_pages_are_few_and_small_and_the_first_has_the_numbers_of_the_table(root):
-    pictures, files = (
-        runpy.run_path(str(root / "docs" / "make_pictures.py")),
-        root / "docs/pictures",
-    )
+def test_pictures_of_pages_are_small_and_have_the_numbers_of_today(root, tmp_path):
+    pictures = runpy.run_path(root / "docs" / "make_pictures.py")
+    files = root / "docs" / "pictures"
     names = {path.stem for path in files.glob("*.png")}
-    assert names == {"map", "laws", "convergence", *pictures["GALLERY"]}
+    assert names == {"map", "speed", "laws", "convergence", *pictures["GALLERY"]}
     assert all(path.stat().st_size <= 100_000 for path in files.iterdir())
+    pictures["draw_badges"](tmp_path)
+    assert all((tmp_path / p.name).read_text() == p.read_text() for p in files.glob("*.svg"))
     pictures["draw_speeds"](ax := style.single_column(height=4).subplots())
     error, speed = ax.lines[0].get_xydata()[0]
     lines = (root / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines()

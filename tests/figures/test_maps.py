@@ -156,12 +156,15 @@ def test_cells_in_any_order_lie_about_their_grid_points_and_labels_near_a_change
 @pytest.mark.parametrize(
     ("last", "unit", "times"), [(2500, "(ms)", [2.5, 0.5]), (250, "(µs)", [250.0, 50.0])]
 )
-def test_a_map_of_times_shows_the_snap_times_and_grey_elsewhere(last, unit, times):
+def test_a_map_of_times_shows_the_snap_times_and_the_colour_of_no_snap_elsewhere(last, unit, times):
     cells = make_cells(["22", "05"])
     cells["t_snap"] = (("f0", "N"), [[np.nan, last], [np.nan, last / 5]])
     ax = time_map(cells)
     states, mesh = artists(ax, QuadMesh)
     assert states.get_array().tolist() == [[0, 2], [None, None]]
+    assert S.WAITING.colour == S.SNAPS[0].colour
+    lightest = lab(linear(S.TIME_COLOURS(1.0)[:3]))[0]
+    assert lab(linear(S.WAITING.colour))[0] - lightest > 11.5
     assert mesh.get_array().tolist() == [[None, None], times]
     assert mesh.get_clim() == (times[1], times[0])
     assert unit in ax.figure.axes[1].get_xlabel()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from snapmap.numerics.statistics import devices_to_decide, share_bounds
+from snapmap.numerics.statistics import devices_to_decide, percents, share_bounds
 
 
 @pytest.mark.parametrize(("samples", "confidence"), [(8, 0.95), (100, 0.9), (5000, 0.99)])
@@ -35,3 +35,10 @@ def test_devices_that_decide_are_the_first_that_do():
         before, after = (share_bounds(share * n, n) for n in (size - 1, size))
         assert before[0] < asked <= before[1] and not after[0] < asked <= after[1]
     assert devices_to_decide(0.75, 0.75) == np.inf
+
+
+def test_no_share_reads_as_all_or_none_that_is_not():
+    words = percents(1.0), percents(0.0), percents(0.56), percents(0.999)
+    assert words == ("100.0 %", "0.0 %", "56.0 %", "99.9 %")
+    assert percents(0.9996) == "99.96 %" and percents(0.0004) == "0.04 %"
+    assert percents(0.99999, 1.0) == "99.999 to 100.0 %"

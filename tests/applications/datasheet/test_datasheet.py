@@ -147,10 +147,11 @@ def test_levels_of_all_pulses_stand_on_the_sheet_or_some_evenly_chosen():
         "ragged": (dims, np.zeros(shape, np.int8)),
     }
     axes = {"shape": ["half sine", "versed sine"], "direction": ["+z", "-z"], "C": [25.0]}
-    made = xr.Dataset(data, axes | {"f0": np.arange(1.0, 10.0) * 100, "sample": np.arange(30)})
+    axes |= {"f0": np.arange(1.0, 10.0) * 100, "sample": np.arange(30), "temperature": 85.0}
+    made = xr.Dataset(data, axes)
     shocks = make_shocks(["half sine", "versed sine"], "both")
     words, levels = of_batch(made, shocks, "C, uN*us/um")
-    assert "of 30 devices as made, at 95 % confidence (12 of 36 pulses):" in words
+    assert "of 30 devices as made at 85 degC, at 95 % confidence (12 of 36 pulses):" in words
     assert row_of(levels, "half sine +z") == ["10", "25", "900", "1100"]
     assert row_of(levels, "versed sine -z")[-1] == "some devices never snap"
     alone = made.isel(shape=0, direction=1, drop=True).isel(sample=slice(28))

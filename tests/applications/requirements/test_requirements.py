@@ -179,9 +179,12 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     bars = [bar.get_segments()[0][:, 0].tolist() for bar in artists(ax, LineCollection)]
     ends = [1.25 * (1 - 0.0125), 1.25 * (1 + 0.0125)]  # of 1/0.8, with the same relative error
     assert bars == [pytest.approx([0.88, 0.92]), pytest.approx(ends)]
-    notes = [(text.get_text().strip(), text.xy[1]) for text in ax.texts]
-    ends = "ends differ, 25 % of the runs stay"
-    assert notes == [("the beam breaks", 0), (ends, 1), ("snaps at no $N$ seen", 2)]
+    notes = [(" ".join(text.get_text().split()), text.xy) for text in ax.texts]
+    words = "the beam breaks", "ends differ, 25 % of the runs stay", "snaps at no $N$ seen"
+    assert notes == [(line, (1, place)) for place, line in enumerate(words)]
+    ax.figure.draw_without_rendering()
+    # No words lie over marks, bars and the line at 1.
+    assert min(text.get_window_extent().x0 for text in ax.texts) > ax.bbox.x1
     verdicts.append(replace(shelf, margin=1.2, verdict="met"))
     verdicts.append(replace(drop, requirement="hit", must_snap="any", margin=1.1))
     ax = drawn(draw_margins, verdicts)

@@ -1,16 +1,19 @@
 """Verdicts of a batch: shares of devices as made, all-fire and no-fire, against known ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
 from scipy import stats
-from small_results import make_verdict
+from small_results import drawn, legend_words, make_verdict
 from small_studies import THREE_COSINES
 from varied import varied
 
 import snapmap
 from snapmap.applications.requirements import application
+from snapmap.applications.requirements.figure import draw_margins
 from snapmap.applications.requirements.summary import missing_fire, of_batch, summary, with_shares
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.tolerances import application as tolerances
@@ -59,6 +62,7 @@ def judged(count, samples, share, confidence=0.95, word="met"):
     return verdict
 
 
+@pytest.mark.usefixtures("paper")
 def test_a_share_decides_by_its_bounds_and_tells_what_would_decide():
     """99.9 % at 95 % takes 2995 devices without a failure, whatever the nominal device does."""
     met, few = judged(2995, 2995, 0.999, word="failed"), judged(2994, 2994, 0.999)
@@ -71,6 +75,10 @@ def test_a_share_decides_by_its_bounds_and_tells_what_would_decide():
     assert beside.share_text == "56.0 % (47.3 to 64.4 %)"
     assert beside.verdict_text == "met by the nominal device" and met.verdict_text == "met"
     assert summary([few]) == "0 of 1 requirements met; unclear: drop"
+    nominal = "1 of 1 requirements met (by the nominal device where no share is asked for)"
+    assert summary([beside]) == nominal and summary([met]) == "1 of 1 requirements met"
+    ax = drawn(draw_margins, [beside, replace(met, requirement="hit")])
+    assert legend_words(ax)[:2] == ["met by the nominal device", "met"]
     words = "share of the devices as made that meet drop 56.0 % (47.3 to 64.4 %)"
     assert of_batch([met, beside]) == words
 

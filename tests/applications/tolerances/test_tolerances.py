@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 import yaml
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex, to_rgb
 from scipy import stats
 from small_results import artists, drawn
 from small_studies import TINY
@@ -16,6 +17,7 @@ from varied import varied
 import snapmap
 from snapmap import Study
 from snapmap.applications import tolerances
+from snapmap.applications.requirements.figure import WRONG
 from snapmap.applications.tolerances import figure
 from snapmap.applications.tolerances.dataset import tolerances_of
 from snapmap.applications.tolerances.sensitivity import (
@@ -28,6 +30,7 @@ from snapmap.applications.tolerances.sensitivity import (
 )
 from snapmap.applications.whole import load_config
 from snapmap.device.samples import CUT, Plan, Scatter, Scatters, Tolerances
+from snapmap.figures.states import SNAPS
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.options import Auto
@@ -276,12 +279,16 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     ax = drawn(figure.draw_probability, scattered)
     (field,) = ax.collections
     np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
+    ends = [to_hex(colour) for colour in field.get_cmap()([0.0, 1.0])]
+    assert ends == [state.colour for state in SNAPS[:2]]  # no grey, which is what is not known
     *quantiles, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
     expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
     np.testing.assert_array_equal(quantiles, expected)
     np.testing.assert_array_equal(nominal, scattered.N_nominal)
     np.testing.assert_array_equal(no_fire, scattered.N_no_fire)
-    assert np.isnan(all_fire).all() and "all-fire takes 2995 devices" in ax.get_title(loc="left")
+    assert np.isnan(all_fire).all()
+    words = ax.get_title(loc="left")
+    assert "temperature 20 °C" in words and words.endswith("all-fire takes 2995 devices")
     curve, *_ = drawn(figure.draw_probability, scattered.isel(f0=[1])).lines
     np.testing.assert_array_equal(curve.get_ydata(), scattered.probability.isel(f0=1))
     # Bounds of shares end at 1.
@@ -305,7 +312,8 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
     ax = drawn(figure.draw_requirement, scattered.isel(requirement=0))
     known = scattered.N_first_required.count().item()
     assert sum(patch.get_height() for patch in ax.patches[1:]) == known < 128
-    assert ax.patches[0].get_x() == 400.0 and ax.patches[0].get_facecolor()[0] == 0.9
+    assert ax.patches[0].get_x() == 400.0
+    assert ax.patches[0].get_facecolor()[:3] == pytest.approx(to_rgb(WRONG["color"]))
 
 
 def test_a_yield_names_what_it_leaves_out(monkeypatch):

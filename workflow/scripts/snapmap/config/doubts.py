@@ -36,6 +36,8 @@ def descriptions(study: Config) -> list[str]:
             words.append(f"{part} {frequency}, quality factor {quality}")
         if device.is_alone:
             words.append("no mass")
+        if not beam.free and not beam.stays_if_free:
+            words.append("assumed: the beam cannot tilt; if it can, write free: true")
         lines.append(
             f"{name}: rise/thickness {beam.rise / beam.thickness:.4g}, rise/span "
             f"{beam.rise / beam.span:.3g}, span/thickness {beam.span / beam.thickness:.4g}; "
@@ -88,13 +90,7 @@ def barely(device: Device) -> str:
 
 
 def tilting(beam: Beam) -> str:
-    """Warn, in one line or an empty one, of a beam whose labels depend on its guide."""
-    if not beam.free and not beam.stays_if_free:
-        ratio = beam.rise / beam.thickness
-        return (
-            f"rise/thickness = {ratio:.4g}: labels hold for a guided beam only, as a beam free to "
-            "tilt leaves the second shape; write free: true if it can tilt"
-        )
+    """Warn, in one line or an empty one, of a beam that by tilting leaves its second shape."""
     if beam.free and find_barrier(beam, buckling_shapes(TILTING)).energy == 0:
         return (
             "beam free to tilt: no stable second shape, so nothing latches; a snap is the first "

@@ -47,9 +47,9 @@ SNAPS = (
     STATES[ABSENT],
 )
 """States of a cell by whether it snaps within its run."""
-WAITING = State("waiting", "no snap seen", "#ececec")
+WAITING = State("waiting", "no snap seen", SNAPS[0].colour)
 # Without the lightest colours, which in grey look like a cell without a snap.
-TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.88, 256)))
+TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.82, 256)))
 WIDE = 30
 """Largest ratio of snap times with linear colours; beyond, they are logarithmic."""
 TIMES = WAITING, WAITING, *SNAPS[2:]

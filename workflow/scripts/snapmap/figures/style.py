@@ -231,6 +231,12 @@ def note_missing(ax: Axes, values: ArrayLike, why: str) -> bool:
     return True
 
 
+def annotate_row(ax: Axes, row: float, words: str) -> None:
+    """Write words to the right of axes, beside a row."""
+    place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
+    ax.annotate(words, (1, row), xycoords=ax.get_yaxis_transform(), fontsize=6, **place)
+
+
 @contextmanager
 def saved(
     stem: str, attributes: Mapping[str, str], height: float, columns: int = 2

@@ -20,8 +20,15 @@ def percents(*shares: float) -> str:
     known = [100 * float(share) for share in shares if share == share]
     if not known:
         return "not known"
-    ends = dict.fromkeys(f"{end:.1f}" for end in (min(known), max(known)))
+    ends = dict.fromkeys(map(_percent, (min(known), max(known))))
     return f"{' to '.join(ends)} %"
+
+
+def _percent(end):
+    """Write per cent to a tenth, or as finely as it takes to tell them from 0 and 100."""
+    apart = round(min(abs(end), abs(100 - end)), DECIMALS - 2)
+    is_close = 0 < apart < 0.1
+    return f"{end:.{np.ceil(-np.log10(apart)) if is_close else 1:.0f}f}"
 
 
 def scope(share) -> str:

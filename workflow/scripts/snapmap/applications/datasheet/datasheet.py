@@ -299,7 +299,9 @@ def of_batch(made: xr.Dataset, shocks: Shocks, of_C: str) -> list[str]:
         for level in (names | row for row in kept.to_dict("records"))
     ]
     part = f" ({len(kept)} of {len(levels)} pulses)" if len(kept) < len(levels) else ""
-    words = f"No-fire and all-fire of {size} devices as made, at {sure} % confidence{part}:\n"
+    degrees = plain(made.temperature.item())
+    words = f"No-fire and all-fire of {size} devices as made at {degrees} degC, "
+    words += f"at {sure} % confidence{part}:\n"
     tables = [words, table(head, rows)]
     if "yield" in made:
         shares = zip(made.C.values, made["yield"].values, made.yield_bound.values.T, strict=True)

@@ -1,8 +1,8 @@
 """The safety factor of each required shock."""
 
+import textwrap
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -18,12 +18,14 @@ VERDICTS = {
     "unclear": {"color": "0.5", "marker": "s"},
     "failed": {"color": style.VERMILION, "marker": "X"},
 }
-OTHER = {"color": "0.4", "marker": ".", "linestyle": "", "markersize": 3}
+OTHER = {"color": "black", "marker": ".", "linestyle": "", "markersize": 3}
 """Corners that are not the worst."""
-WRONG = {"color": "0.9", "linewidth": 0, "label": "threshold on the wrong side"}
+WRONG = {"color": "#fdebdc", "linewidth": 0, "label": "threshold on the wrong side"}
 """Where a requirement fails, in all figures."""
 BEYOND = 1.25
 """Room beyond the outermost margins, as a factor."""
+WIDE = 34
+"""Signs in a line of the words beside a row."""
 
 
 def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMPER) -> Axes:
@@ -31,9 +33,10 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
 
     unit_of_C: as a config spells it
     Each requirement, device and C has a row, the one with the least slack on top. A marker and the
-    label show its worst corner, and where it must trip how the beam ends; dots show the others.
-    The factor is the threshold over the required N, or the inverse where the shock must trip: above
-    1 the threshold is where it should be. The label has the share of devices as made that meet it.
+    words beside it show its worst corner, and where it must trip how the beam ends; dots show the
+    others. The factor is the threshold over the required N, or the inverse where the shock must
+    trip: above 1 the threshold is where it should be. The words have the share of devices as made
+    that meet it.
     """
     groups = sorted(corners(verdicts), key=lambda group: group[0].badness, reverse=True)
     known = [factor for factor in map(_factor, verdicts) if factor == factor]
@@ -41,33 +44,28 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
     ax.set(xscale="log", xlim=(low, high), ylim=(len(groups) - 0.5, -0.5))
     ax.axvspan(low, 1, **WRONG)
     for place, (worst, *others) in enumerate(groups):
-        note = {"va": "center", "fontsize": 6}
-        margin, *of_others = margins = [_factor(each) for each in (worst, *others)]
+        margin, *of_others = (_factor(each) for each in (worst, *others))
         ax.plot(of_others, [place] * len(others), **OTHER)
         if margin == margin:
             error = margin * worst.margin_error / worst.margin
             ax.errorbar(margin, place, xerr=error, **VERDICTS[worst.verdict])
-        else:
-            ax.annotate("snaps at no $N$ seen ", (high, place), ha="right", **note)
-        words = [worst.end_text] if worst.must_snap in (True, ARRIVES) else []
+        words = [] if margin == margin else ["snaps at no $N$ seen"]
+        if worst.must_snap in (True, ARRIVES):
+            words.append(worst.end_text)
         if worst.breaks:
             words.append("the beam breaks")
         if worst.share_text:
             words.append(f"met by {worst.share_text}")
-        first, last = np.fmin.reduce([high, *margins]), np.fmax.reduce([low, *margins])
-        is_right = high / last >= first / low
-        beside, side = (last, "left") if is_right else (first, "right")
-        if words:
-            ax.annotate(f"   {'; '.join(words)}   ", (beside, place), ha=side, **note)
+        style.annotate_row(ax, place, textwrap.fill("; ".join(words), WIDE))
     ax.axvline(1, color="black", linewidth=0.6)
     unit = spelling(unit_of_C).figures
     ax.set_yticks(range(len(groups)), [_name(worst, unit) for worst, *_ in groups])
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
-    kinds = {worst.verdict for worst, *_ in groups}
-    looks = {kind: look for kind, look in VERDICTS.items() if kind in kinds}
-    keys = [Line2D([], [], linestyle="", **look, label=kind) for kind, look in looks.items()]
+    kinds = sorted({(worst.verdict_text, worst.verdict) for worst, *_ in groups}, reverse=True)
+    looks = {words: VERDICTS[kind] for words, kind in kinds}
+    keys = [Line2D([], [], linestyle="", **look, label=words) for words, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
     style.legend(ax, [*keys, Patch(**WRONG)])

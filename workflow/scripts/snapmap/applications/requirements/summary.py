@@ -74,6 +74,8 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     for kind in (UNCLEAR, VIOLATED):
         kinds |= {verdict.requirement: kind for verdict in verdicts if verdict.verdict == kind}
     parts = [f"{list(kinds.values()).count(MET)} of {len(kinds)} requirements met"]
+    if any(verdict.is_nominal for verdict in verdicts):
+        parts[0] += " (by the nominal device where no share is asked for)"
     for kind in (VIOLATED, UNCLEAR):
         if names := ", ".join(name for name in kinds if kinds[name] == kind):
             parts.append(f"{kind}: {names}")

@@ -137,8 +137,12 @@ class Verdict:
     @property
     def verdict_text(self) -> str:
         """The verdict, and of whom if values scatter but no share is asked for."""
-        is_nominal = np.isfinite(self.share) and np.isnan(self.share_asked)
-        return self.verdict + (" by the nominal device" if is_nominal else "")
+        return self.verdict + (" by the nominal device" if self.is_nominal else "")
+
+    @property
+    def is_nominal(self) -> bool:
+        """Whether values scatter, but the verdict is that of the nominal device."""
+        return np.isfinite(self.share) and np.isnan(self.share_asked)
 
     @property
     def share_text(self) -> str:
@@ -147,7 +151,7 @@ class Verdict:
             return ""
         words = f"{percents(self.share)} ({percents(self.share_low, self.share_high)})"
         if np.isfinite(self.share_asked):
-            words += f", asked {plain(100 * self.share_asked)} %"
+            words += f", asked {plain(100 * self.share_asked, 7)} %"
         if np.isfinite(self.devices):
             words += f", {self.devices:.0f} devices would decide"
         return words

@@ -191,6 +191,7 @@ def _of_device(study, axes, tolerances, requirements, tolerance):
     }
     named = {"quantile": list(QUANTILES), "bound": ["low", "high"]}
     named |= {"order": ["first", "total"], "value": plan.names}
+    named["temperature"] = device.temperature
     N, along = _amplitudes(axes.get("N"), first), (*groups, "N")
     data |= _share("probability", count_below(first, N), samples, along)
     if device.beam.damping > 0:

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import LinearSegmentedColormap
 
-from ...figures import captions, scales, style
+from ...figures import captions, scales, states, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
 from ...files.text import plain
 from ...numerics.portable import evenly
@@ -28,9 +27,9 @@ NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
 STAYING = {0.5: "white", 0.99: LATCHED}
 """Colours of markers, by the share that stays in the second shape at this N and all above."""
-GREYS = ListedColormap(colormaps["Greys"](np.linspace(0, 1 / 3, 64)))
-FIELD = {"cmap": GREYS, "vmin": 0, "vmax": 1, "edgecolors": "face", "rasterized": True}
-"""Look of the field of shares; lines are readable on its darkest grey."""
+SHARES = LinearSegmentedColormap.from_list("shares", [cell.colour for cell in states.SNAPS[:2]])
+FIELD = {"cmap": SHARES, "vmin": 0, "vmax": 1, "edgecolors": "face", "rasterized": True}
+"""Look of the field of shares, in the colours of cells that do not snap and that do."""
 FIRST = {"linestyle": ":", "markerfacecolor": "white", "markeredgewidth": 0.5, "markersize": 2.5}
 """Look of first-order indices; total indices are solid."""
 NAME = 24
@@ -106,7 +105,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         for key in ("N_no_fire", "N_all_fire"):
             ax.axvline(data[key].item(), label=fire_words(data), **FIRE)
         if "latched" in data:
-            look = {"color": LATCHED, "label": "share that stays snapped"}
+            look = {"color": LATCHED, "linestyle": "--", "label": "share that stays snapped"}
             ax.plot(N.values, shares.latched.values, **look)
         ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel="share of devices that snap")
         ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
@@ -133,7 +132,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
 def fire_words(data: xr.Dataset) -> str:
     """Write what the levels of no-fire and all-fire are, for a legend."""
     share, confidence = (data.N_all_fire.attrs[key] for key in ("share", "confidence"))
-    ends = f"{plain(100 * (1 - share))} and {plain(100 * share)} % snap"
+    ends = f"{plain(100 * (1 - share), 7)} and {plain(100 * share, 7)} % snap"
     return f"no-fire and all-fire: {ends}, sure at {plain(100 * confidence)} %"
 
 
@@ -184,7 +183,7 @@ def draw_requirement(ax: Axes, data: xr.Dataset) -> Axes:
     ends = np.array([*known, N])
     room = ROOM * np.ptp(ends) or ROOM * N
     low, high = max(ends.min() - room, 0), ends.max() + room
-    where = [scales.place_text(data)]
+    where = [scales.place_text(data.drop_vars("temperature"))]  # it is met at all of them
     if must != SNAPS[ANY]:
         where.append(f"met by {percents(data.share_meeting)}")
         ax.axvspan(*((N, high) if must else (low, N)), **WRONG)
@@ -228,9 +227,7 @@ def draw_yield(ax: Axes, data: xr.Dataset) -> Axes:
         label = scales.value_text("C", line.C.item(), scales.unit_of("C", line.C.attrs))
         ax.errorbar(shares[:, i], y, xerr=error, label=label, **look)
         for at, share, ends in zip(y, shares[:, i], bounds[:, :, i].T, strict=True):
-            words = f"{percents(share)} ({percents(*ends)})"
-            place = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
-            ax.annotate(words, (1, at), xycoords=ax.get_yaxis_transform(), fontsize=6, **place)
+            style.annotate_row(ax, at, f"{percents(share)} ({percents(*ends)})")
     ax.axhline(rows[-1] - 0.5, color="0.6", linewidth=0.5)
     label = "share of devices that meet it"
     if counted := scope(data["yield"]).removeprefix(", "):

@@ -16,11 +16,11 @@ from ...numerics.statistics import percents
 from ...study.axes import Units
 from ...study.study import ARRIVES, SNAPS
 from ...values.units import spelling
-from ..requirements.figure import required_text
+from ..requirements.figure import WRONG, required_text
 from .between import FAR, between, least_reserve, reserves_between
 
 MEETING = {"color": "#a9cfe8", "linewidth": 0, "label": "all thresholds are as required"}
-FAILING = {"color": "#fdebdc", "linewidth": 0, "label": "a threshold is not as required"}
+FAILING = WRONG | {"label": "a threshold is not as required"}
 BEGINS_TO_FAIL = [withTickedStroke(angle=-90, length=0.6, spacing=6)]
 POINTS = {"color": "0.3", "linestyle": "", "marker": ".", "markersize": 1.5, "clip_on": False}
 POINTS["label"] = "points that were computed"
