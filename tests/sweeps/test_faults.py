@@ -11,7 +11,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.applications.whole import load_config
-from snapmap.sweeps.collect import collect_slabs
+from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 
 SWEEP = """sweep:

@@ -18,7 +18,7 @@ from snapmap.applications.whole import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
-from snapmap.sweeps.collect import collect_slabs
+from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import follow_rows, slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
 

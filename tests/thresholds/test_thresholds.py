@@ -16,12 +16,12 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, REPEATED_STEP, label
 from snapmap.solver.settings import Run
-from snapmap.thresholds.bars import distance, make_bars
 from snapmap.thresholds.edges import stretches
 from snapmap.thresholds.effort import CLOSE_STEP
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
 from snapmap.thresholds.ragged import refine_edges
 from snapmap.thresholds.search import Search, find_changes
+from snapmap.thresholds.survey import distance, make_bars
 
 HOW = {"model": "3 cosines", "horizon": 300.0}
 CHEAP = {"f0": [1500.0], "C": [25.0]}

@@ -27,8 +27,7 @@ def simulate_slab(study, axes, path, code):
 def collect(study, slab_paths, path, code):
     """Join slabs to the cube, write it, and print its summary."""
     from snapmap.study.variables import write_product
-    from snapmap.sweeps.collect import collect_slabs
-    from snapmap.sweeps.cube import summary
+    from snapmap.sweeps.cube import collect_slabs, summary
 
     write_product(collect_slabs(slab_paths, study.axes, study.document(), code), path, summary)
 

@@ -18,7 +18,7 @@ from .solver.options import Elements as Elements
 from .solver.options import Reference as Reference
 from .study.study import Study as Study
 from .study.variables import words as words
-from .sweeps.collect import open_cube as open_cube
+from .sweeps.cube import open_cube as open_cube
 from .sweeps.cube import sweep as sweep
 from .thresholds.surface import threshold as threshold
 

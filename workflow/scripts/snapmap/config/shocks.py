@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from ..files.named import sha256_of
 from ..pulse.pulse import DIRECTIONS, RECORD, SHAPES, SHARES, Form, ShapeName
-from ..pulse.shocks import MAKERS, Shocks, make_shocks
-from ..pulse.trains import Blow, Drop
+from ..pulse.shocks import MAKERS, Blow, Drop, Shocks, make_shocks
 from ..values.faults import at_key
 from ..values.kinds import Fitting, kind_of
 from ..values.records import record, told

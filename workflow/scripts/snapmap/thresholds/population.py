@@ -24,11 +24,10 @@ from ..solver.outcome import LATCHED, label, side_at_end
 from ..solver.settings import SECOND, Run
 from ..study.shock import Shock
 from ..study.study import ANY, Study
-from .bars import distance
 from .effort import ISLAND_STEP, TOGETHER
 from .probe import Probe, amplitudes, first_snap, near, refine, walk
 from .search import ISLANDS_FROM, Search, scan_upwards
-from .survey import tell_cost
+from .survey import distance, tell_cost
 from .verified import find_thresholds
 
 FIRST_SAMPLES, GROWTH = 64, 8

@@ -9,7 +9,7 @@ import numpy as np
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 from ...values.quantities import Value
-from .pairs import LEVELS, Points
+from .psd import LEVELS, Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
