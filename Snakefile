@@ -25,7 +25,6 @@ paths = [str(scripts), *filter(None, [os.getenv("PYTHONPATH")])]
 os.environ |= {"PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "agg"}
 os.environ |= dict.fromkeys(("PYTHONDONTWRITEBYTECODE", "PYTHONSAFEPATH"), "1")
 from snapmap.applications import attached, gather, refuse_all
-from snapmap.config.devices import nominal
 from snapmap.applications.whole import doubts, files_of, load_config
 from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
@@ -143,7 +142,6 @@ onsuccess:
 include: "workflow/rules/run.smk"
 include: "workflow/rules/applications.smk"
 include: "workflow/rules/draw.smk"
-include: "workflow/rules/studies.smk"
 include: "workflow/rules/made.smk"
 
 

@@ -348,11 +348,6 @@ def test_a_finished_run_makes_a_report(clone, finished):
     assert "Force that holds the midpoint" in text, "the caption of an application"
 
 
-def test_studies_are_targets_of_their_own(clone, finished):
-    _, output = snakemake(clone, *finished[:2], "accuracy", "stability", "--dry-run")
-    assert planned_rules(output).keys() == {"accuracy", "stability"}
-
-
 CORE = {"simulate_all", "simulate_slab", "collect", "find_threshold", "draw_study", "all"}
 """Rules that are not in the table of architecture.md, or make more than applications do."""
 
