@@ -28,7 +28,7 @@ from snapmap.applications import attached, gather, refuse_all
 from snapmap.applications.whole import doubts, files_of, load_config
 from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
-from snapmap.files.atomic import hold, refuse_others, remove_leftovers
+from snapmap.files.atomic import hold, remove_leftovers
 from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.study import provenance
 from snapmap.study.study import OF_THRESHOLDS
@@ -55,7 +55,6 @@ if not os.access(".", os.W_OK):
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
-    refuse_others("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
     # Parameters of the rules, by which products of other code are made again.
     code = provenance.hash_numbers(scripts / "jobs.py")

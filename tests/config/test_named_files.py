@@ -159,13 +159,6 @@ def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     assert "simulate_all  " in snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
 
 
-def test_a_folder_in_place_of_a_product_is_named(root, folder):
-    (folder / "results/cube.nc").mkdir(parents=True)
-    code, output = snakemake(root, ".", "mine.yaml", "results/cube.nc", check=False)
-    assert code != 0 and "results/cube.nc: is a folder, where a file belongs; remove it" in output
-    assert "Traceback" not in output
-
-
 def test_ten_million_rows_are_refused_unread(tmp_path):
     with open(tmp_path / "points.csv", "wb") as file:
         file.truncate(100_000_000)

@@ -246,7 +246,8 @@ def draw_maps(
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
-            _remove_durations(ax)
+            for top in list(ax.child_axes):
+                top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), captions.PAGE)
     words = [words, captions.case(first.attrs), _numbered(names, captions.PAGE)]
     drawn = axes.flat[: len(panels)]
@@ -280,11 +281,6 @@ def _in_columns(panels):
     order = list(dict.fromkeys(values[across]))
     turn = sorted(range(len(panels)), key=lambda i: order.index(values[across][i]))
     return [panels[i] for i in np.reshape(turn, (len(order), -1)).T.flat], len(order)
-
-
-def _remove_durations(ax):
-    for top in list(ax.child_axes):
-        top.remove()
 
 
 def _fill_map(ax, panel, x, y, own_points, shown, look=None):

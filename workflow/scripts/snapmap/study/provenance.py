@@ -108,7 +108,7 @@ def _written(values):
 @cache
 def code_version() -> str:
     """Give the version, such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; git adds the commit."""
-    commit = _commit()
+    commit = _git("describe", "--always", "--dirty=.dirty", "--abbrev=7")
     number = f"{__version__}+{commit}" if commit else __version__
     return f"{number} sources {code_hash(*NUMBERS, *DRAWS)}"
 
@@ -148,10 +148,6 @@ def config_hash(document: Mapping) -> str:
 def code_date() -> str:
     """Give the day of the commit, such as `2026-11-28`; empty without git."""
     return _git("log", "-1", "--format=%cs")
-
-
-def _commit():
-    return _git("describe", "--always", "--dirty=.dirty", "--abbrev=7")
 
 
 def _git(*words):

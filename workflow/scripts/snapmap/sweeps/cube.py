@@ -1,6 +1,5 @@
 """The cube: an xarray dataset with the outcome of each cell."""
 
-import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -125,12 +124,6 @@ def require_cube(cube: xr.Dataset, name: str = "cube") -> xr.DataArray:
     for key in (key for key in codes.dims if key not in NAMES):
         if cube[key].dtype.kind not in "iuf" or cube[key].isnull().any():
             raise ValueError(f"{name}: {key} is an axis of numbers, but has other values")
-    try:
-        is_config = isinstance(json.loads(cube.attrs.get("config", "{}")), dict)
-    except (TypeError, ValueError):
-        is_config = False
-    if not is_config:
-        raise ValueError(f"{name}: its attribute config is not JSON; keep it as it was, or drop it")
     return codes
 
 
@@ -201,14 +194,10 @@ def summary(cube: xr.Dataset) -> str:
     share = f"{math.floor(1000 * settled / max(1, settled + left)) / 10:g} %"
     facts = [f"{sum(counts.values())} cells, {'all' if settled and not left else share} settled"]
     if number := cube.attrs.get(ELSEWHERE):
-        change = "changes" if number == 1 else "change"
-        facts.append(f"{number} {change} side with a smaller time step")
+        facts.append(f"{number} on another side with a smaller time step")
     if near := cube.attrs.get(NEAR_CHANGE):
         distance = 100 * cube.t_snap.attrs["label_distance"]
-        lie = "lies" if near == 1 else "lie"
-        facts.append(
-            f"about {near} {lie} so near a threshold ({distance:g} %) that the label is uncertain"
-        )
+        facts.append(f"about {near} within {distance:g} % of a threshold, of uncertain label")
     named = [f"{number} {name}" for name, number in counts.items() if number or name == "failed"]
     return "; ".join([*facts, ", ".join(named)])
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..solver.cost import steps_and_seconds, tell
+from ..solver.cost import OF_THRESHOLD, steps_and_seconds, tell
 from .edges import outermost, scan, stretches
 from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
 from .probe import Ask, Probe
@@ -239,16 +239,6 @@ def with_rows(
     return values
 
 
-SCANNED, DECIDED = 400, 300
-"""Typical number of runs of the scanning model for a row, and of the deciding and finer models. A
-ragged row takes ten times as long."""
-OF_BLOWS = 10
-"""Factor on the runs of a row under a drop or a train of blows, whose labels change back and forth:
-6 to 13 were measured."""
-ROUNDS, WIDTH = 26, 32
-"""Number of rounds of a refinement, and number of cells below which a round takes no less time."""
-
-
 def run_seconds(probe: Probe) -> np.ndarray:
     """Estimate the core time of a run of each row, s, (rows,)."""
     model, rows, settings, until = probe
@@ -256,21 +246,10 @@ def run_seconds(probe: Probe) -> np.ndarray:
     return steps_and_seconds(model, cells, settings.but(until=until))[1][:, 0]
 
 
-def survey_seconds(search: Search) -> float:
-    """Estimate the core time of the search for the thresholds of all rows, s."""
-    models, rows = search.models, search.rows
-    scanned, decided = (run_seconds(search.probe(each)) for each in (models.scans, models.decides))
-    times = np.array([OF_BLOWS if pulse.blows.size else 1 for pulse in rows.pulses])[rows.pulse]
-    return float(np.sum(times * (SCANNED * scanned + DECIDED * decided)))
-
-
 def tell_cost(search: Search) -> None:
     """Warn of a long search, in one line; an endless one is refused with a ValueError."""
-    f0 = search.rows.f0
-    if not f0.size:
-        return
-    decided = run_seconds(search.probe(search.models.decides))
-    searched = survey_seconds(search) / search.settings.threads
-    seconds = searched + ROUNDS * WIDTH * decided.max()
-    slowest = f"f0 = {f0[np.argmax(decided)]:g} Hz"
-    tell("thresholds", seconds, slowest, "write a higher f0 or a shorter horizon", stacklevel=3)
+    if (f0 := search.rows.f0).size:
+        seconds = OF_THRESHOLD * run_seconds(search.probe(search.models.decides))
+        slowest, total = f"f0 = {f0[np.argmax(seconds)]:g} Hz", float(seconds.sum())
+        cure = "write a higher f0 or a shorter horizon"
+        tell("thresholds", total / search.settings.threads, slowest, cure, stacklevel=3)

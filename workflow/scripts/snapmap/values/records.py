@@ -12,19 +12,20 @@ section)` reads a section of a config, and `kind_of(Run).schema()` describes it 
 import ast
 import functools
 import inspect
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from itertools import pairwise
 from math import inf
 from textwrap import dedent
-from typing import Any, NamedTuple, TypeVar, dataclass_transform, get_type_hints
+from types import NoneType
+from typing import Any, NamedTuple, TypeVar, dataclass_transform, get_args, get_type_hints
 
 import numpy as np
 
 from ..files.text import show
 from .arguments import PYTHON, Argument, Reading, by_name, convert, lines_of
-from .calls import shown
 from .faults import Faults, WrongCall, line_at, within
 from .kinds import Kind, Quantity, argument_of, kind_of
 
@@ -126,6 +127,8 @@ class Docstring:
 
 
 Made = TypeVar("Made")
+FOLDERS = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z]|ndarray)")
+"""The module before a type's name."""
 
 
 @dataclass_transform(frozen_default=True)
@@ -322,3 +325,29 @@ def row_of_kinds(
     if above:
         body["__doc__"] = vars(above[0])["__doc__"].text
     return record(type(name, above, body))
+
+
+class _Words(str):
+    """Words that a signature shows as they are."""
+
+    __repr__ = str.__str__
+
+
+def shown(signature: inspect.Signature, arguments: Mapping[str, Argument]) -> inspect.Signature:
+    """Give a signature whose types are those that a reader knows."""
+    parameters = [
+        part.replace(annotation=_typed(part.annotation, arguments[key].kind))
+        for key, part in signature.parameters.items()
+    ]
+    returned = _typed(signature.return_annotation, None)
+    return signature.replace(parameters=parameters, return_annotation=returned)
+
+
+def _typed(hint, kind):
+    """Name the type of an annotation."""
+    noted = next((p for p in (hint, *get_args(hint)) if hasattr(p, "__metadata__")), None)
+    if noted:
+        own = noted.__origin__
+        shown = kind.type if own is Any else own
+        hint = shown | None if NoneType in get_args(hint) else shown
+    return _Words(FOLDERS.sub("", inspect.formatannotation(hint)))

@@ -2,7 +2,6 @@
 
 import math
 from itertools import product
-from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..config.study import Config
 from ..config.views import MAPS
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
-from ..solver.cost import MOST_SECONDS, steps_and_seconds
+from ..solver.cost import MOST_SECONDS, OF_THRESHOLD, steps_and_seconds
 from ..study.axes import DIRECTION, NAMES, SHAPE
 from ..sweeps.slabs import Slab, cells_in
 
@@ -156,7 +155,7 @@ def _expected(study, settings, f0):
 
 RUNS = {
     "cells": 1,
-    "thresholds": 700,
+    "thresholds": OF_THRESHOLD,
     "thresholds of devices as made": 4,
     "verdicts": 1500,
     "histories": 700,
@@ -168,7 +167,7 @@ START, FIGURE = 2.5, 0.5
 
 def amounts(study: Config) -> dict[str, int]:
     """Count what a study computes, by the words of RUNS."""
-    cells = prod(study.grid.shape)
+    cells = math.prod(study.grid.shape)
     counts = {"cells": cells, "thresholds": cells // study.axes["N"].size}
     return counts | merge(lambda part: part.counts(study))
 

@@ -17,7 +17,7 @@ from ...study.variables import dress
 from ...values.kinds import Fitting, kind_of
 from ...values.quantities import Damper, ExistingPath
 from ...values.records import ByKeys
-from ...values.units import OF_DAMPER, plain_numbers
+from ...values.units import OF_DAMPER
 from .shots import Shots, UnknownsSection, check_ranges, shots_from
 from .surface import (
     CONFIDENCE,
@@ -43,18 +43,7 @@ NEAR = 2.0
 
 
 def _is_table(value):
-    """Tell whether a value is a path, or columns of numbers, flags, words or None."""
-    if not hasattr(value, "keys"):
-        return kind_of(ExistingPath).fits(value)
-    columns = (value[key] for key in value)
-    rows = [list(c) if getattr(c, "ndim", 0) == 1 else c for c in columns]
-    return all(isinstance(row, list | tuple) and all(map(_is_entry, row)) for row in rows)
-
-
-def _is_entry(value):
-    if isinstance(value, str):
-        return "\n" not in value
-    return value is None or isinstance(value, bool | np.bool_) or np.ndim(plain_numbers(value)) == 0
+    return hasattr(value, "keys") or kind_of(ExistingPath).fits(value)
 
 
 _TABLE = Fitting("the path of a file that exists, or columns by name", _is_table)

@@ -86,10 +86,10 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
         if np.ma.is_masked(column):
             column = column.astype(object).filled(np.nan)
         column = _without_units(key, column) if key in SHOCKS else column
-        try:
-            columns[str(key)] = np.asarray(column).ravel()
-        except (ValueError, OverflowError):  # of arrays among numbers
-            raise ValueError(f"shots: {key}: {show(column)} is not a row") from None
+        column = np.array(None if isinstance(column, str) else column, object)
+        if column.ndim != 1:
+            raise ValueError(f"shots: {key}: {show(table[key])} is not a row")
+        columns[str(key)] = column
     known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
     for key in columns:
         if key not in SHOCKS | SHOTS:

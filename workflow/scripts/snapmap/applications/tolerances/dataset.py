@@ -23,7 +23,7 @@ from ...numerics.portable import geometric
 from ...numerics.statistics import CONFIDENCE, DECIMALS, percents, scope, share_bounds
 from ...solver.cells import to_rows
 from ...study.arguments import AnyStudy, Requirements
-from ...study.axes import NAMES, attributes_of, frequencies
+from ...study.axes import attributes_of, frequencies
 from ...study.shock import Shock
 from ...study.study import ANY, ARRIVES, OF_THRESHOLDS, SNAPS, Study
 from ...study.variables import dress
@@ -309,18 +309,10 @@ def summary(tolerance: xr.Dataset) -> str:
     words = [f"{size} samples", f"{missing} without a second stable shape"]
     if spread.size:
         words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
-    # The value with the largest total index, for each pulse if pulses differ in it.
     total = tolerance.sensitivity.sel(order="total")
-    named = [dim for dim in NAMES if dim in total.dims]
-    total = total.mean([dim for dim in total.dims if dim not in ("value", *named)])
-    most: dict[str, list[str]] = {}
-    for place in product(*(range(total.sizes[dim]) for dim in named)):
-        indices = total.isel(dict(zip(named, place, strict=True)))
-        if indices.notnull().any():
-            names = " ".join(str(indices[dim].item()) for dim in named)
-            most.setdefault(indices.idxmax().item(), []).append(names)
-    for key, places in most.items():
-        words.append(f"most by {key} ({', '.join(places)})" if len(most) > 1 else f"most by {key}")
+    total = total.mean([dim for dim in total.dims if dim != "value"])
+    if total.notnull().any():
+        words.append(f"most by {total.idxmax().item()}")
     for key, word in (("yield", "yield"), ("share_breaking", "break")):
         if key in tolerance:
             shares = tolerance[key]
