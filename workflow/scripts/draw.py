@@ -98,7 +98,6 @@ def _draw_maps(files, folder, points, name, shows, panels):
                 return
             cells, band, shocks = data[0]
             maps.draw_map(figure.subplots(), cells, band, x, y, shocks, points, shows)
-            style.fit(figure, maps.RATIO)
 
 
 def _draw_thresholds(files, folder, draw, columns, view):
@@ -107,8 +106,6 @@ def _draw_thresholds(files, folder, draw, columns, view):
         style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4, columns) as figure,
     ):
         draw(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
-        if columns == 1:
-            style.fit(figure, maps.RATIO)
 
 
 def function_of(rule):
