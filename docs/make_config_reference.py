@@ -43,7 +43,7 @@ PAGE = """\
 
 Here you can look up every key of a config, with its unit, range and default
 ([glossary](tutorial.md#glossary)). A config is a YAML file of one mapping, such as
-[the handout's](../config/handout.yaml) or [the tutorial's](../config/sensor.yaml). An editor with a
+[the example's](../config/config.yaml) or [the tutorial's](../config/sensor.yaml). An editor with a
 language server for YAML shows the same and marks mistakes, if the first line names
 [the schema](../config/schema.json), as in those files; `snapmap init` writes both.
 

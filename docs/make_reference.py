@@ -54,14 +54,14 @@ diverged, or its energy ledger did not close. `absent`: the device has no second
 - `t_snap`, `t_settled`: time of the snap, and time from which the run has settled, us after the 
   start of the pulse, or NaN; the attribute `label_distance` of `t_snap` says how near a threshold, 
   relative, [a label can be wrong](accuracy.md)
-- `blow`: number of the blow of a train or drop that snaps the beam, else 0
-- `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last swing 
-  that it spends there (1 if settled); 0 and NaN with the model `reference`; absent with 
+- `blow`: number of the pulse of a train or drop that snaps the beam, else 0
+- `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last 
+  vibration that it spends there (1 if settled); 0 and NaN with the model `reference`; absent with 
   `until: snap`
 - `energy_error`: residual of the energy ledger over the pulse's gross work
 - `pulse_work`: work of the pulse on mass and beam, pJ; NaN if the run ended earlier
 - `halvings`: how often the step was halved until the ledger closed
-- `reproduced`, `well_reproduced`: 1 if a run with another step had the same outcome, or well
+- `reproduced`, `well_reproduced`: 1 if a run with another step had the same outcome, or `well`
 - `work_error`, `t_snap_error`: differences to that run in work (relative) and `t_snap` (us), not 
   bounds
 - `t_closed`, `closed_for`, `openings`, `closed_share`: closures of an electrode, each with its 

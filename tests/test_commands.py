@@ -4,6 +4,7 @@ import re
 import runpy
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -56,7 +57,9 @@ ELSEWHERE = {
     ],
     "test_the_recipes_in_python_run": ["python"],
     "test_the_page_has_each_name_with_all_that_help_says": ["python docs/make_reference.py"],
-    "test_the_config_reference_is_what_the_models_say": ["python docs/make_config_reference.py"],
+    "test_the_page_of_the_config_has_each_key_with_its_sentence": [
+        "python docs/make_config_reference.py"
+    ],
     "test_every_equation_of_the_theory_has_a_test_that_names_it": ["python docs/make_equations.py"],
     "test_the_types_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": [
@@ -70,33 +73,43 @@ ELSEWHERE = {
     "test_every_command_is_run_by_a_test": ["ruff check", "ruff format"],
 }
 """What runs each command that is no study, in small."""
-SHORT = "tolerances"
-"""The study that runs by default, in small."""
+PARTS = "workflow", "studies", "profiles", "config", "examples"
+SUFFIXES = ".py", ".csv", ".js", ".json", ".yaml", ".smk"
+"""Folders and files of the code."""
+OTHERS = "fontset get_legend grep includegraphics map_x_y mathtext mylaws pyuff srun "
+OTHERS += "subplots_adjust tight_layout time_maps tmux __use_yte"
+"""Names on pages that are those of others, or that the code makes of parts."""
 
 
-@pytest.fixture(scope="module")
-def documents(root):
-    """The text of all documents that name commands."""
-    pages = [*sorted(root.glob("*.md")), *sorted((root / "docs").rglob("*.md"))]
-    return "\n".join(page.read_text(encoding="utf-8") for page in pages)
-
-
-def commands_in(text):
-    """What `run` is given, by all commands, on one line each."""
-    commands = [*LINE.findall(text), *SPAN.findall(text)]
-    return {" ".join(command.split()).split("run ", 1)[1] for command in commands}
-
-
-def test_every_command_is_run_by_a_test(root, documents):
-    apart = "pytest", "python -m studies"
-    others = {command for command in commands_in(documents) if not command.startswith(apart)}
+def test_every_command_is_run_by_a_test(root):
+    pages = [*root.glob("*.md"), *(root / "docs").rglob("*.md")]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    named = {" ".join(words.split()) for words in (*LINE.findall(text), *SPAN.findall(text))}
+    apart = re.compile(r"\S*run (pytest|python -m studies)")
+    others = {words.split("run ", 1)[1] for words in named if not apart.match(words)}
     assert others == {command for commands in ELSEWHERE.values() for command in commands}
     tests = "".join(path.read_text(encoding="utf-8") for path in (root / "tests").rglob("*.py"))
     assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)
 
 
+def test_every_name_on_a_page_is_one_of_the_code(root):
+    """Words between backticks but those in capitals; and files of code with their folder."""
+    scripts = root / "workflow" / "scripts"
+    places = root, root / "docs", scripts, scripts / "snapmap", scripts / "snapmap" / "applications"
+    files = [f for part in PARTS for f in (root / part).rglob("*.*") if f.suffix in SUFFIXES]
+    known = {*re.findall(r"\w+", " ".join([OTHERS, *map(Path.read_text, files)]))}
+    for page in [root / "README.md", *(root / "docs").rglob("*.md")]:
+        text = page.read_text(encoding="utf-8").partition("\n## Tests of ")[0]
+        text = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+        for span in re.findall(r"`([^`\n]+)`", text):
+            is_known = {*re.findall(r"\b[A-Za-z]?[a-z_]\w+[^\W_]", span)} <= known
+            is_file = any((place / span).exists() for place in places)
+            assert is_file or (is_known and not re.search(r"/.*\.py$", span)), (page.name, span)
+
+
 @pytest.mark.parametrize(
-    "study", [pytest.param(name, marks=[pytest.mark.long] * (name != SHORT)) for name in NAMES]
+    "study",
+    [pytest.param(name, marks=[pytest.mark.long] * (name != "tolerances")) for name in NAMES],
 )
 def test_a_study_makes_its_tables_in_small(monkeypatch, tmp_path, root, study):
     """As by `python -m studies`; what it writes lands in the current folder."""

@@ -18,11 +18,6 @@ from snapmap.applications.application import Application
 from snapmap.files.extras import EXTRAS
 
 
-def test_the_config_reference_is_what_the_models_say(root):
-    page = (root / "docs" / "config.md").read_text(encoding="utf-8")
-    assert runpy.run_path(root / "docs" / "make_config_reference.py")["reference"]() == page
-
-
 def test_every_equation_of_the_theory_has_a_test_that_names_it(root):
     """As the last table of the page says."""
     made = runpy.run_path(root / "docs" / "make_equations.py")

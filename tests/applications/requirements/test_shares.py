@@ -47,16 +47,9 @@ def made_of(count, samples, confidence=0.95, C=25.0):
 
 def judged(count, samples, share, confidence=0.95, word="met"):
     """The verdict on a shock that asks for a share."""
-    shock = Shock(
-        name="drop",
-        N=500.0,
-        f0=1e3,
-        shocks=make_shocks(),
-        snaps=False,
-        share=share,
-        confidence=confidence,
-    )
-    asked = [make_verdict(verdict=word), make_verdict(requirement="vibration")]
+    asks = {"snaps": False, "share": share, "confidence": confidence}
+    shock = Shock(name="drop", N=500.0, f0=1e3, shocks=make_shocks(), **asks)
+    asked = [make_verdict(verdict=word, margin=1.5), make_verdict(requirement="vibration")]
     verdict, other = with_shares(asked, [shock], made_of(count, samples, confidence))
     assert np.isnan(other.share)
     return verdict
@@ -78,7 +71,11 @@ def test_a_share_decides_by_its_bounds_and_tells_what_would_decide():
     nominal = "1 of 1 requirements met (by the nominal device where no share is asked for)"
     assert summary([beside]) == nominal and summary([met]) == "1 of 1 requirements met"
     ax = drawn(draw_margins, [beside, replace(met, requirement="hit")])
-    assert legend_words(ax)[:2] == ["met by the nominal device", "met"]
+    faces = [line.get_markerfacecolor() for line in ax.lines if line.get_marker() == "o"]
+    assert dict(zip(legend_words(ax), faces, strict=False)) == {
+        "met by the nominal device": "white",
+        "met": "black",
+    }
     words = "share of the devices as made that meet drop 56.0 % (47.3 to 64.4 %)"
     assert of_batch([met, beside]) == words
 

@@ -41,7 +41,7 @@ REST_SETTLED, REST_SEEN, CROSSING, TRIPPED_SEEN, TRIPPED_SETTLED, ELSEWHERE = ra
 FAILED, ABSENT = range(6, len(STATES))
 
 SNAPS = (
-    State("waiting", "does not snap", "#d3dde5"),
+    State("waiting", "does not snap", "#cbdff2"),
     State("snapped", "snaps", "#6fae9f"),
     STATES[FAILED],
     STATES[ABSENT],

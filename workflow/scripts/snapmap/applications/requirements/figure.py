@@ -48,7 +48,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
         ax.plot(of_others, [place] * len(others), **OTHER)
         if margin == margin:
             error = margin * worst.margin_error / worst.margin
-            ax.errorbar(margin, place, xerr=error, **VERDICTS[worst.verdict])
+            ax.errorbar(margin, place, xerr=error, **_look(worst))
         words = [] if margin == margin else ["snaps at no $N$ seen"]
         if worst.must_snap in (True, ARRIVES):
             words.append(worst.end_text)
@@ -63,13 +63,17 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
     ax.tick_params(axis="y", which="minor", left=False)
     ax.set_xlabel("safety factor on $N$")
     tick(ax.xaxis, low, high)
-    kinds = sorted({(worst.verdict_text, worst.verdict) for worst, *_ in groups}, reverse=True)
-    looks = {words: VERDICTS[kind] for words, kind in kinds}
+    looks = {worst.verdict_text: _look(worst) for worst, *_ in groups}
     keys = [Line2D([], [], linestyle="", **look, label=words) for words, look in looks.items()]
     if len(groups) < len(verdicts):
         keys.append(Line2D([], [], **OTHER, label="another shock or temperature"))
     style.legend(ax, [*keys, Patch(**WRONG)])
     return ax
+
+
+def _look(verdict):
+    """Give the look of a verdict, hollow if it is that of the nominal device alone."""
+    return VERDICTS[verdict.verdict] | ({"markerfacecolor": "white"} if verdict.is_nominal else {})
 
 
 def _factor(verdict):

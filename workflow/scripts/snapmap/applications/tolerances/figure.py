@@ -14,7 +14,7 @@ from ...figures import captions, scales, states, style
 from ...figures.curves import LOOKS, STAYS, cross, each_line
 from ...files.text import plain
 from ...numerics.portable import evenly
-from ...numerics.statistics import percents, scope
+from ...numerics.statistics import percents, scope, share_bounds
 from ...study.study import ANY, SNAPS
 from ..requirements.figure import WRONG, required_text
 from ..requirements.summary import missing_fire
@@ -25,6 +25,7 @@ SNAP = {"-": "half of the devices snap", "--": "10 and 90 % snap", ":": "1 and 9
 NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
+STAYED = {"color": LATCHED, "marker": ".", "linestyle": "", "label": "share that stays snapped"}
 STAYING = {0.5: "white", 0.99: LATCHED}
 """Colours of markers, by the share that stays in the second shape at this N and all above."""
 SHARES = LinearSegmentedColormap.from_list("shares", [cell.colour for cell in states.SNAPS[:2]])
@@ -36,7 +37,7 @@ NAME = 24
 """Characters in a line of a requirement's name beside its shares."""
 ROOM = 0.05
 """Margin of an axis over the range of its data."""
-FIRE = {"color": "#009e73", "linewidth": 1.0, "linestyle": (0, (4, 1.5))}
+FIRE = {"color": "#7b1fa2", "linewidth": 1.2, "linestyle": (0, (4, 1.5))}
 """Look of the levels of no-fire and all-fire."""
 BOUNDS = {"color": "#56b4e9", "alpha": 0.5, "linewidth": 0, "label": "bounds at 95 %"}
 COLUMNS, MOST, DAMPINGS = 3, 12, 6
@@ -93,22 +94,19 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
     """
     few = missing_fire(data.N_all_fire, data.bistable.size)
     words = f"all-fire {few}" if few else ""
-    ax.set_title(", ".join(filter(None, [scales.place_text(data), words])))
+    ax.set_title("\n".join(filter(None, [scales.place_text(data), words])))
     style.note_missing(ax, data.probability, "no share of devices is known")
     f0, N = scales.scale_of("f0", data.f0.values), scales.scale_of("N", data.N.values)
     if f0.values.size == 1:
-        shares = data.squeeze("f0")
-        bounds = shares.probability_bound.transpose("bound", "N").values
-        ax.fill_between(N.values, *bounds, **BOUNDS)
-        ax.plot(N.values, shares.probability.values, color="black")
+        shares, ends = data.squeeze("f0"), N.values if np.ptp(N.values) else N.edges
+        _draw_steps(ax, shares.N_first.values, ends[[0, -1]])
         ax.axvline(data.N_nominal.item(), **NOMINAL)
         for key in ("N_no_fire", "N_all_fire"):
             ax.axvline(data[key].item(), label=fire_words(data), **FIRE)
         if "latched" in data:
-            look = {"color": LATCHED, "linestyle": "--", "label": "share that stays snapped"}
-            ax.plot(N.values, shares.latched.values, **look)
+            ax.plot(N.values, shares.latched.values, **STAYED)
         ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel="share of devices that snap")
-        ax.set(xlim=N.values[[0, -1]] if np.ptp(N.values) else N.edges[[0, -1]], ylim=(0, 1))
+        ax.set(xlim=ends[[0, -1]], ylim=(0, 1))
         return ax
     scales.study_axis(ax, f0)
     scales.set_scale(ax, "y", N, data.attrs)
@@ -127,6 +125,15 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
         look = {"color": LATCHED, "markerfacecolor": face, **STAYS}
         ax.plot(f0.values, line, label=f"{100 * share:g} % latched at all $N$ above", **look)
     return ax
+
+
+def _draw_steps(ax, N_first, ends):
+    """Draw the share of samples whose threshold is not above N, with its bounds, between two N."""
+    known = np.sort(N_first[np.isfinite(N_first)])
+    count = np.r_[0, 1 : known.size + 1, known.size]
+    places = np.r_[min(ends[0], *known[:1]), known, max(ends[1], *known[-1:])]
+    ax.fill_between(places, *share_bounds(count, N_first.size), step="post", **BOUNDS)
+    ax.step(places, count / N_first.size, where="post", color="black")
 
 
 def fire_words(data: xr.Dataset) -> str:
