@@ -19,7 +19,7 @@ from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 from ...values.arguments import Reading
-from ...values.kinds import Fitting, Pair, kind_of
+from ...values.kinds import Fitting, Pair, Word, kind_of
 from ...values.quantities import Damper, Frequency, Positive, PulseTime
 
 POINTS, WINDOW_POINTS = 17, 33
@@ -36,12 +36,8 @@ class Design(NamedTuple):
     error: float
 
 
-def _is_value(name):
-    return isinstance(name, str) and name in ("C", *VALUES)
-
-
 NAME = "C or the name of a value of the device, such as thickness"
-ValueName = Annotated[str, Fitting(NAME, _is_value)]
+ValueName = Annotated[str, Word(("C", *VALUES), NAME)]
 _PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
 Between = Annotated[Sequence[float | str], Fitting(_PAIR)]
 

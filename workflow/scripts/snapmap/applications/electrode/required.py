@@ -1,8 +1,8 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
-from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass, replace
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,23 +21,21 @@ DEMANDS = "closes_within", "stays_closed"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RequiredClosing(RequiredShock):
-    """A required shock that must close the electrode, with one or both of DEMANDS, us."""
+    """A required shock that must close the electrode; demands: one or both of DEMANDS, us."""
 
     more: ClassVar[str] = "closing"
-    closes_within: float | None = None
-    stays_closed: float | None = None
+    demands: Mapping[str, float] = field(default_factory=dict)
 
     def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
         """Judge the shock, then its closures; `more` holds these with their margins."""
-        demands = self.closes_within, self.stays_closed
-        return [judge_closing(verdict, *demands) for verdict in super().check(study, C)]
+        return [judge_closing(verdict, **self.demands) for verdict in super().check(study, C)]
 
     def require(self, study: Study) -> None:
         """Raise ValueError if the devices lack an electrode, strength or frame."""
         if not any(device.has_electrode for device in study.devices().values()):
-            closing = DEMANDS[0] if self.closes_within else DEMANDS[1]
             need = "write the place of the electrode, such as '-5 um'"
-            raise ValueError(f"device.contact_at: missing, but {closing} needs it; {need}")
+            key = next(iter(self.demands))
+            raise ValueError(f"device.contact_at: missing, but {key} needs it; {need}")
         super().require(study)
 
 
@@ -105,7 +103,7 @@ class ClosingSection(ShockSection):
 
     def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:
         """Make the requirement of a study, as for any shock, with its DEMANDS."""
-        required = super().under(pulse, gravity)
+        required: Any = super().under(pulse, gravity)
         # These say how long it must stay.
         snaps = ARRIVES if self.snaps is True else self.snaps
-        return replace(required, snaps=snaps, **self.demands)
+        return replace(required, snaps=snaps, demands=self.demands)
