@@ -32,8 +32,11 @@ def counting(what: str, **options) -> Iterator[None]:
         _lock = RLock()  # between threads: tqdm's own, between processes, outlives a job's os._exit
         monitor_interval = 0  # no thread, which would not outlive a fork
 
-    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None}
-    usual |= {"miniters": 0, "unit_scale": True}  # of a long run, shares are counted
+        @property
+        def format_dict(self):
+            return super().format_dict | {"n": round(self.n, 2)}
+
+    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None, "miniters": 0}
     with Line(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
+from ..files.text import describe, show
 from ..values.arguments import Reading, nearest
-from ..values.kinds import Kind, Word
+from ..values.faults import Faults
+from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.records import build, record, told
+from ..values.records import build, hints, record, told
 from ..values.units import OF_DAMPER
 from .laws import UNIT, UserLaws
 
@@ -126,16 +128,27 @@ class ModelKind(Kind):
         return MODELS[value]()
 
     def _of_section(self, value, reading):
-        """Read a section."""
+        """Read a section; of an unknown name, as the model that has most of its options."""
+        wrong, name = [], value.get("name")
         if "name" not in value:
-            raise ValueError(f".name: missing; write one of {', '.join(MODELS)}")
+            wrong = [f".name: missing; write one of {', '.join(MODELS)}"]
+        elif name not in [*MODELS]:
+            say = describe if reading.written else show
+            near = nearest(str(name), MODELS)
+            hint = f"; did you mean {near}?" if near else ""
+            wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{hint}"]
+        elif name in (Auto.name, Reference.name) and "laws" in value:
+            wrong = [f".laws: {name} takes none; write name: elements, or cosines"]
+            value = {key: value[key] for key in value if key != "laws"}
+        likely = max(MODELS.values(), key=lambda made: len(value.keys() & hints(made).keys()))
+        made = MODELS[name] if name in [*MODELS] else likely
         try:
-            made = MODELS[Word((*MODELS,)).convert(value["name"], reading)]
-        except ValueError as error:
-            raise ValueError(f".name: {error}") from None
-        if "laws" in value and made in (Auto, Reference):
-            raise ValueError(f".laws: {made.name} takes none; write name: elements, or cosines")
-        return build(made, value, reading)
+            model = build(made, {**value, "name": made.name}, reading)
+        except Faults as faults:
+            wrong += faults.args
+        if wrong:
+            raise Faults(*wrong)
+        return model
 
 
 Model = Annotated[str | Chosen | Mapping, ModelKind()]

@@ -15,7 +15,7 @@ from ...values.arguments import Reading
 from ...values.faults import Faults, few
 from ...values.kinds import Kind, Whole, kind_of
 from ...values.quantities import Frequency, Value, single
-from ...values.units import is_plain
+from ...values.units import is_plain, plain_numbers
 
 LEAST = 2
 """Least number of points."""
@@ -49,7 +49,8 @@ class Points(Kind):
 
     def convert(self, value: object, reading: Reading) -> np.ndarray:
         """Convert pairs to an array, (points, 2); of Python also an array."""
-        pairs = value.tolist() if isinstance(value, np.ndarray) else value
+        array = None if isinstance(value, list | tuple) else plain_numbers(value)
+        pairs = value if array is None else array.tolist()
         if not isinstance(pairs, list | tuple) or len(pairs) < LEAST:
             raise self.refuse(value, reading)
         points, faults = [], []
