@@ -113,10 +113,10 @@ def sources_of(device: Device):
 
 
 def draw(ax: Axes, family: str, points: dict) -> None:
-    """Draw the errors of both rows over what refines them, and a line of the order."""
+    """Draw the errors of both thresholds over what refines them, and a line of the order."""
     for (name, of_row), marker in zip(points.items(), "os", strict=True):
         value, _, error = np.reshape(of_row, (-1, 3)).T
-        ax.plot(value, error, marker=marker, label=f"{name} row")
+        ax.plot(value, error, marker=marker, label=f"{name} threshold")
         if name == "clean" and value.size:
             order = ORDERS[family]
             line = error[-1] * (value / value[-1]) ** order

@@ -12,7 +12,7 @@ from studies import tables
 from studies.__main__ import NAMES
 
 LINE = re.compile(r"^    ((?:\./|/path/to/)run .*?)(?:  +#.*)?$", re.M)
-SPAN = re.compile(r"`(\./run [^`]+)`")
+SPAN = re.compile(r"`(\./run [^`]+|snapmap [^`]+)`")
 
 ELSEWHERE = {
     "test_every_figure_is_there": [
@@ -63,10 +63,11 @@ ELSEWHERE = {
     "test_every_equation_of_the_theory_has_a_test_that_names_it": ["python docs/make_equations.py"],
     "test_the_types_fit": ["mypy"],
     "test_check_says_what_a_config_describes_doubts_and_costs": [
-        *("snapmap check mine.yaml", "snapmap check sensor.yaml")
+        *(f"snapmap check{name}" for name in ("", " FILE", " mine.yaml", " sensor.yaml"))
     ],
     "test_init_writes_the_config_that_there_is_and_nothing_over_another": ["snapmap init"],
     "test_the_command_says_its_version": ["snapmap --version"],
+    "test_help_says_what_a_config_is_and_where_results_go": ["snapmap run --help"],
     "test_a_dry_run_of_a_grown_grid_counts_the_new_cells": ["snapmap run mine.yaml -n"],
     "test_the_notebook_stores_what_it_gives_today": ["python docs/make_notebook.py"],
     "test_the_versions_come_in_one_paste": ["python -m snapmap.study.provenance"],
@@ -85,8 +86,8 @@ def test_every_command_is_run_by_a_test(root):
     pages = [*root.glob("*.md"), *(root / "docs").rglob("*.md")]
     text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
     named = {" ".join(words.split()) for words in (*LINE.findall(text), *SPAN.findall(text))}
-    apart = re.compile(r"\S*run (pytest|python -m studies)")
-    others = {words.split("run ", 1)[1] for words in named if not apart.match(words)}
+    others = {re.sub(r"^\S*run ", "", words) for words in named}
+    others = {words for words in others if not words.startswith(("pytest", "python -m studies"))}
     assert others == {command for commands in ELSEWHERE.values() for command in commands}
     tests = "".join(path.read_text(encoding="utf-8") for path in (root / "tests").rglob("*.py"))
     assert all(f"\ndef {name}(" in tests for name in ELSEWHERE)

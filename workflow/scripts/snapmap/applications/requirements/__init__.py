@@ -77,7 +77,8 @@ class Requirements(Application):
 
     def counts(self, study: Config) -> dict[str, int]:
         """Verdicts, one for each corner of each requirement."""
-        corners = len(study.devices()) * study.axes["C"].size * len(study.temperatures)
+        degrees = max(1, len(study.temperatures))
+        corners = len(study.devices()) * study.axes["C"].size * degrees
         return {"verdicts": corners * len(study.requests["requirements"])}
 
     def outputs(self, study: Config) -> Files:

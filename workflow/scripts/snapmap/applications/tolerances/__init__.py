@@ -47,9 +47,10 @@ class Tolerances(Application):
         made, C, f0 = study.requests["tolerances"], study.axes["C"].size, study.axes["f0"].size
         if not made:
             return {}
-        rows = len(study.devices()) * C * (f0 * len(study.shocks.pulses) + len(shocks_of(study)))
-        samples = made.samples + made.power * (1 + len(made.scatters))
-        return {"thresholds of devices as made": rows * samples}
+        of_indices = f0 * len(study.shocks.pulses) * made.power * (1 + len(made.scatters))
+        required = len(shocks_of(study)) * max(1, len(study.temperatures))
+        rows = of_indices + (f0 * len(study.shocks.pulses) + required) * made.samples
+        return {"thresholds of devices as made": len(study.devices()) * C * rows}
 
     def outputs(self, study: Config) -> Files:
         """Thresholds, probabilities and the yield."""

@@ -25,7 +25,8 @@ SNAP = {"-": "half of the devices snap", "--": "10 and 90 % snap", ":": "1 and 9
 NOMINAL = {"color": "#d55e00", "linewidth": 1.0, "linestyle": "-."}
 NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
-STAYED = {"color": LATCHED, "marker": ".", "linestyle": "", "label": "share that stays snapped"}
+STAYED = {"color": LATCHED, "marker": ".", "linestyle": "", "clip_on": False}
+STAYED["label"] = "share that stays snapped"
 STAYING = {0.5: "white", 0.99: LATCHED}
 """Colours of markers, by the share that stays in the second shape at this N and all above."""
 SHARES = LinearSegmentedColormap.from_list("shares", [cell.colour for cell in states.SNAPS[:2]])
