@@ -101,8 +101,6 @@ def tilting(beam: Beam) -> str:
 
 def stopped(device: Device) -> str:
     """Warn, in one line or an empty one, of a stop that leaves the mass too little room."""
-    if not device.has_stops:
-        return ""
     travel = device.stop_toward
     barrier = find_barrier(device.beam, shapes_of(device.beam))
     needed = float(device.gap - barrier.midpoint) if barrier.energy > 0 else 0.0
