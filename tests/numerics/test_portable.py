@@ -20,7 +20,7 @@ ALLOWED = {
         *("applications/page/figure.py:_required", "thresholds/summary.py:to_digits"),
     ),
     "rounded to few digits": (
-        *("applications/calibration/", "applications/tolerances/sensitivity.py"),
+        *("applications/calibration/", "applications/tolerances/dataset.py"),
         *("beam/stress.py:break_probability", "device/samples.py"),
         "numerics/statistics.py:share_bounds",
     ),

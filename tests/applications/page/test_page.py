@@ -562,7 +562,7 @@ def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_t
     show, view, cube, monkeypatch
 ):
     assert drawn_shapes(view) == ["first"]
-    monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
+    monkeypatch.setattr("snapmap.applications.page.figure.MOST_PIECES", 0)
     document = json.loads(cube.attrs["config"])
     document["run"] |= {"start": "second"}
     opened = show(cube.assign_attrs(config=json.dumps(document)))

@@ -19,14 +19,14 @@ from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
 from snapmap.applications.tolerances import figure
-from snapmap.applications.tolerances.dataset import tolerances_of
-from snapmap.applications.tolerances.sensitivity import (
+from snapmap.applications.tolerances.dataset import (
     count_below,
     crossed,
     indices,
     moments,
     quantile_bounds,
     quantiles,
+    tolerances_of,
 )
 from snapmap.applications.whole import load_config
 from snapmap.device.samples import CUT, Plan, Scatter, Scatters, Tolerances

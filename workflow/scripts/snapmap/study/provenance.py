@@ -27,7 +27,7 @@ def _draws(path):
     """Tell whether a file of the package draws, and makes no numbers."""
     parts = path.relative_to(_PACKAGE).parts
     room, name = parts[0], parts[-1]
-    drawing = name in ("figure.py", "forms.py") or path.suffix not in (".py", ".csv")
+    drawing = name == "figure.py" or path.suffix not in (".py", ".csv")
     return room == "figures" or (room == "applications" and drawing)
 
 
