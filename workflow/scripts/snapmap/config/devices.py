@@ -1,4 +1,4 @@
-"""The sections of a device in a config, and the function that reads a device alone."""
+"""The sections of a device in a config, its measured shape, and how a device alone is read."""
 
 import math
 import warnings

@@ -1,4 +1,7 @@
-"""A pulse: the acceleration of the frame over time. Only this room knows the shapes."""
+"""A pulse, also a recorded one: the acceleration of the frame over time.
+
+Only this room knows the shapes.
+"""
 
 import re
 from collections.abc import Mapping, Sequence

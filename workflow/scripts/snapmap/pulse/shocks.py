@@ -1,4 +1,4 @@
-"""The shocks of a study, pulses and directions, made from arguments in Python or from a config."""
+"""The shocks of a study, pulses, trains, drops and directions, of Python or of a config."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Attributes of products and, by the tables variables.csv, of their variables."""
+"""Attributes of products and, by the tables variables.csv, of their variables; netCDF files."""
 
 import csv
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The cube: an xarray dataset with the outcome of each cell."""
+"""The cube: a dataset with the outcome of each cell, also joined from slabs, block by block."""
 
 import math
 from collections import Counter

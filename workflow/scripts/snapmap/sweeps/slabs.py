@@ -1,4 +1,4 @@
-"""A slab of the grid, the work of one job: its name, its file, and how it is followed."""
+"""A slab of the grid, the work of one job: its name, its file, and how its rows are followed."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""The threshold surface over damping and frequency as an xarray dataset."""
+"""The threshold surface over damping and frequency as an xarray dataset, with its limits."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,4 +1,4 @@
-"""Thresholds of rows, with error bars: each row is searched by the models that it needs."""
+"""Thresholds of rows, each searched by the models that it needs; their error bars; the time."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""The plan of a study: the slabs of its grid, and what the job of each may cost."""
+"""The plan of a study: the slabs of its grid, its figures, and what all that may cost."""
 
 import math
 from itertools import product

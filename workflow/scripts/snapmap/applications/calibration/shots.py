@@ -1,4 +1,4 @@
-"""A table of shots: the shocks of a campaign, and whether the device tripped."""
+"""The section `calibration`: a table of shots, whether each tripped, and the unknowns."""
 
 import math
 from collections.abc import Mapping, Sequence

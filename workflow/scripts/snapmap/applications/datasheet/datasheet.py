@@ -1,4 +1,4 @@
-"""Data sheets of devices in Markdown: values with units and errors."""
+"""Data sheets of devices in Markdown: values with units and errors, shocks, devices as made."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What the verdicts of a study say together."""
+"""Shares of a batch beside its verdicts, and what all verdicts of a study say together."""
 
 from collections.abc import Sequence
 from dataclasses import replace
