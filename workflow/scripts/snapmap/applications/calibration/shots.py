@@ -80,35 +80,29 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
     Shots with a file need no N.
     """
-    columns = {}
+    known, columns = f"columns are {', '.join([*SHOCKS, *SHOTS])}", {}
     for key in table:
-        column = table[key]
+        if key not in SHOCKS | SHOTS:
+            raise ValueError(f"shots: column {show(key)} is unknown; {known}")
+        column, kind = table[key], bool if key == "tripped" else float if key in SHOCKS else object
         if np.ma.is_masked(column):
             column = column.astype(object).filled(np.nan)
         column = _without_units(key, column) if key in SHOCKS else column
         column = np.array(None if isinstance(column, str) else column, object)
         if column.ndim != 1:
             raise ValueError(f"shots: {key}: {show(table[key])} is not a row")
-        columns[str(key)] = column
-    known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
-    for key in columns:
-        if key not in SHOCKS | SHOTS:
-            raise ValueError(f"shots: column {show(key)} is unknown; {known}")
+        columns[key] = np.empty(column.size, kind)
+        for row, value in enumerate(column.tolist()):
+            try:
+                columns[key][row] = _entry(key, value)
+            except ValueError as error:
+                raise ValueError(f"shots, row {row + 1}: {key}: {error}") from None
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
         if key not in columns:
             raise ValueError(f"shots: column {key} is missing; {known}")
     sizes = {key: values.size for key, values in columns.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
-    for key, values in columns.items():
-        entries = []
-        for row, value in enumerate(values.tolist(), 1):
-            try:
-                entries.append(_entry(key, value))
-            except ValueError as error:
-                raise ValueError(f"shots, row {row}: {key}: {error}") from None
-        kind = bool if key == "tripped" else float if key in SHOCKS else object
-        columns[key] = np.array(entries, kind)
     return columns
 
 
