@@ -11,7 +11,7 @@ import numpy as np
 
 from ..files.text import is_title
 from .arguments import Reading
-from .kinds import Fitting, Flag, Number, Quantity, Several, Whole
+from .kinds import Fitting, Number, Quantity, Several, Whole, Word
 from .units import OF_DAMPER
 
 Value = Any
@@ -98,7 +98,7 @@ Frequencies = Annotated[Value, Several(replace(_F0, is_single=False))]
 Dampers = Annotated[Value, Several(replace(_C, is_single=False))]
 PulseTimes = Annotated[Value, Several(Quantity("a duration", "us", "0.5 ms"))]
 
-Truth = Annotated[bool, Flag()]
+Truth = Annotated[bool, Word((True, False))]
 Count = Annotated[int, Whole(1, 100)]
 Modes = Annotated[int, Whole(1, 200)]
 Threads = Annotated[int, Whole(1, 1024)]
