@@ -18,9 +18,10 @@ from .common import command_device, few, with_beam
 from .tables import Table, write
 
 DURATIONS, C = [250.0, 1000.0], 25.0
-SEED, CAMPAIGNS, SHOTS = 11, 100, 15
+SEED, CAMPAIGNS, SHOTS = 11, 200, 15
 """Seed of the draws, number of campaigns, and shots of each duration."""
-SPREADS, OFF, LEVELS, STEP, RUNGS = (0.02, 0.03, 0.06), 0.1, 0.25, 0.05, (-0.2, -0.1, 0.0, 0.1, 0.2)
+SPREADS, OFF, LEVELS, STEP = (0.02, 0.03, 0.06, 0.12), 0.1, 0.25, 0.05
+RUNGS = -0.2, -0.1, 0.0, 0.1, 0.2
 """Deviations of a threshold from shot to shot; by how much the middle of a design misses it at
 most; limits, steps of up-and-down, and levels of a grid about the middle; all relative."""
 TRUE, RANGES = 2.0, {"thickness": (1.6, 2.6), "spring": (3.0, 8.0)}

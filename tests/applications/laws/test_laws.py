@@ -49,7 +49,8 @@ def test_limits_hold_where_thresholds_are_within_1_percent_and_are_broad_there(l
     v = laws.N_short * 9.81e-6 * 0.5 / (1e-6 * laws.f0)
     np.testing.assert_allclose(v, laws.velocity_change.item(), rtol=1e-12)
     words = summary(laws)
-    assert "above N = 936.8 for longer than 147.9 us" in words and "1.683 us later" in words
+    assert "C = 25 " in words and "1.683 us later" in words
+    assert "a slow shock trips it above N = 936.8 for longer than 147.9 us" in words
     draw_laws(figure := style.double_column(4.6), laws)
     top, below = figure.axes
     broad = [visible(line) for line in top.lines if line.get_linewidth() == 4]

@@ -173,6 +173,7 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     ]
     verdicts = [make_verdict(**shock, **dict(zip(keys, row, strict=True))) for row in rows]
     drop, _, shelf = verdicts
+    assert replace(drop, duration=6e5).shock == "half sine -z, 600 s"
     ax = drawn(draw_margins, verdicts)
     points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() in "oX"]
     assert points == [[0.9, 0.0], [1.25, 1.0]]  # by slack, the failed first

@@ -49,7 +49,7 @@ SNAPS = (
 """States of a cell by whether it snaps within its run."""
 WAITING = State("waiting", "no snap seen", SNAPS[0].colour)
 # Without the lightest colours, which in grey look like a cell without a snap.
-TIME_COLOURS = ListedColormap(colormaps["cividis"](np.linspace(0, 0.82, 256)))
+TIME_COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0, 0.78, 256)))
 WIDE = 30
 """Largest ratio of snap times with linear colours; beyond, they are logarithmic."""
 TIMES = WAITING, WAITING, *SNAPS[2:]

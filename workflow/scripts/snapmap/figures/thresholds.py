@@ -115,7 +115,7 @@ def draw_threshold_map(ax: Axes, surface: xr.Dataset, x: str, y: str) -> Axes:
     across = plane.open_plane(ax, surface, x, y)
     N = surface.N_first.transpose(y, x).values
     style.note_missing(ax, N, NONE_KNOWN)
-    field = plane.fill_field(ax, surface.N_first, *across, cmap="cividis")
+    field = plane.fill_field(ax, surface.N_first, *across, cmap="viridis")
     counted = any(scale.is_counted for scale in across)
     if min(N.shape) > 1 and np.isfinite(N).all() and not counted:
         levels = ax.contour(across[0].places, across[1].places, N, colors="white", linewidths=0.7)

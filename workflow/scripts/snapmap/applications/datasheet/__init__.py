@@ -33,6 +33,7 @@ class Datasheet(Application):
         from ...files.atomic import write_text
         from ...study.variables import open_whole
         from ..requirements.verdict import read_verdicts
+        from ..whole import doubts
         from .datasheet import datasheet
 
         verdicts = read_verdicts(requirements_path)
@@ -43,6 +44,7 @@ class Datasheet(Application):
                 study.source,
                 requirements=shocks_of(study),
                 made=batches,
+                doubts=doubts(study),
                 damper=study.units.get("C", (study.unit_of_C, 1.0)),
             )
             write_text(sheet, path)

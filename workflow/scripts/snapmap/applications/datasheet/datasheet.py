@@ -48,12 +48,14 @@ def datasheet(
     requirements: Sequence[Shock] = (),
     made: xr.Dataset | None = None,
     damper: tuple[str, float] = (OF_DAMPER, 1.0),
+    doubts: Sequence[str] = (),
 ) -> str:
     """Write the data sheets of a study's devices, in Markdown.
 
     source: the config as the user has it
     made: dataset of `tolerances_of` for these requirements, or None if nothing scatters
     damper: name of the unit of C, and its size in uN us/um
+    doubts: lines on values that are hardly meant
     """
     several, sheets = isinstance(study.device, Mapping), []
     unit, size = damper
@@ -64,14 +66,13 @@ def datasheet(
         of_device = [verdict for verdict in verdicts if not several or verdict.device == name]
         of_device = sorted(of_device, key=attrgetter("badness"), reverse=True)
         batch = made.sel(device=name) if made is not None and several else made
-        heading = " of ".join(
-            filter(None, ["# Data sheet", source.get("title"), name if several else ""])
-        )
+        heads = ["# Data sheet", source.get("title"), name if several else ""]
         facts = _device(study, device, written[name])
-        sheets += [f"{heading}\n", table(["device", "value"], facts)]
+        sheets += [f"{' of '.join(filter(None, heads))}\n", table(["device", "value"], facts)]
         sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
+        sheets += [f"Doubted: {line}.\n" for line in doubts]
         sheets += required_shocks(device, of_device, f"C, {unit}")
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
@@ -198,6 +199,7 @@ ERRORS = (
     "and the number of shapes. It has no scatter of devices, and nothing that the model leaves "
     "out.\n"
 )
+NEVER = "some devices never snap"
 LEVELS_SHOWN = 12
 """Most rows of no-fire and all-fire."""
 
@@ -277,38 +279,39 @@ def of_batch(made: xr.Dataset, shocks: Shocks, of_C: str) -> list[str]:
 
     made: dataset of one device, as of `tolerances_of`; shocks: of the study
     """
-    size, fire = made.sizes["sample"], made.N_all_fire
-    share, sure = fire.share, plain(100 * fire.confidence)
-    head = ["pulse", "duration, ms", of_C, f"no-fire: at most {percents(1 - share)} snap"]
-    head.append(f"all-fire: at least {percents(share)} snap")
-    ends = "N_no_fire", "N_all_fire"
-    levels = made[[*ends, "ragged"]].to_dataframe().reset_index()
-    kept = levels.iloc[evenly(len(levels), LEVELS_SHOWN)]
-    names = {SHAPE: shocks.pulses[0].name, DIRECTION: shocks.directions[0]}
-    unknown = missing_fire(fire, size) or "some devices never snap"
-    rows = [
-        [
-            f"{level[SHAPE]} {level[DIRECTION]}" + (", ragged" if level["ragged"] else ""),
-            plain(1e3 / level["f0"]),
-            f"{level['C']:g}",
-            *(
-                plain(N) if np.isfinite(N) else unknown
-                for N in (level["N_no_fire"], level["N_all_fire"])
-            ),
-        ]
-        for level in (names | row for row in kept.to_dict("records"))
-    ]
-    part = f" ({len(kept)} of {len(levels)} pulses)" if len(kept) < len(levels) else ""
-    degrees = plain(made.temperature.item())
-    words = f"No-fire and all-fire of {size} devices as made at {degrees} degC, "
-    words += f"at {sure} % confidence{part}:\n"
-    tables = [words, table(head, rows)]
+    size, tables = made.sizes["sample"], _levels(made, shocks, of_C)
     if "yield" in made:
         shares = zip(made.C.values, made["yield"].values, made.yield_bound.values.T, strict=True)
         rows = [[f"{C:g}", percents(one), percents(*bounds)] for C, one, bounds in shares]
         words = f"Share of {size} devices as made that meet all{scope(made['yield'])}:\n"
         tables += [words, table([of_C, "share", "bounds at 95 % each"], rows)]
     return tables
+
+
+def _levels(made, shocks, of_C):
+    """Write the table of no-fire and all-fire, or how many devices they take."""
+    size, fire, degrees = made.sizes["sample"], made.N_all_fire, plain(made.temperature.item())
+    few, ends = missing_fire(fire, size), ("N_no_fire", "N_all_fire")
+    words = f"No-fire (at most {percents(1 - fire.share)} snap) and all-fire (at least "
+    words += f"{percents(fire.share)} snap) of {size} devices as made at {degrees} degC, "
+    words += f"at {plain(100 * fire.confidence)} % confidence"
+    if few:
+        return [f"{words}: {few}.\n"]
+    levels = made[[*ends, "ragged"]].to_dataframe().reset_index()
+    kept = levels.iloc[evenly(len(levels), LEVELS_SHOWN)]
+    names = {SHAPE: shocks.pulses[0].name, DIRECTION: shocks.directions[0]}
+    rows = [
+        [
+            f"{level[SHAPE]} {level[DIRECTION]}" + (", ragged" if level["ragged"] else ""),
+            plain(1e3 / level["f0"]),
+            f"{level['C']:g}",
+            *(plain(level[key]) if np.isfinite(level[key]) else NEVER for key in ends),
+        ]
+        for level in (names | row for row in kept.to_dict("records"))
+    ]
+    part = f" ({len(kept)} of {len(levels)} pulses)" if len(kept) < len(levels) else ""
+    head = ["pulse", "duration, ms", of_C, "no-fire", "all-fire"]
+    return [f"{words}{part}:\n", table(head, rows)]
 
 
 def left_out(device: Device) -> list[str]:

@@ -14,7 +14,7 @@ from ...numerics.portable import geometric
 from ...solver.adaptive import choose_survey
 from ...solver.cells import to_rows
 from ...solver.settings import FIRST
-from ...study.axes import Grid
+from ...study.axes import Grid, point_text
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
 from ...thresholds.probe import Probe, lowest_snap
@@ -100,9 +100,10 @@ def summary(laws: xr.Dataset) -> str:
     N, dwell, v, delay = (plain(number) if np.isfinite(number) else "" for number in numbers)
     unknown = f", how long is not known: {laws.dwell.attrs['missing_as']}"
     lasts = f" for longer than {dwell} us" if dwell else unknown
+    alone = {key: laws[key].item() for key in laws.coords if laws[key].ndim == 0}
     parts = [
         f"a slow shock trips it above N = {N}{lasts}" if N else "no law of slow shocks holds",
         f"a short one trips it by {v} m/s" if v else "no law of short shocks holds",
         f"a factor e nearer a snap is {delay} us later" if delay else "",
     ]
-    return "; ".join(filter(None, parts))
+    return f"at {point_text(alone, laws.C.units)}: {'; '.join(filter(None, parts))}"

@@ -1,6 +1,5 @@
 """The safety factor of each required shock."""
 
-import textwrap
 from collections.abc import Sequence
 
 from matplotlib.axes import Axes
@@ -56,7 +55,7 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
             words.append("the beam breaks")
         if worst.share_text:
             words.append(f"met by {worst.share_text}")
-        style.annotate_row(ax, place, textwrap.fill("; ".join(words), WIDE))
+        style.annotate_row(ax, place, captions.fill(", ".join(words).split(", "), WIDE))
     ax.axvline(1, color="black", linewidth=0.6)
     unit = spelling(unit_of_C).figures
     ax.set_yticks(range(len(groups)), [_name(worst, unit) for worst, *_ in groups])

@@ -59,7 +59,7 @@ def sum_up(verdicts: Sequence[Verdict]) -> str:
     """
     breaks = dict.fromkeys(verdict.requirement for verdict in verdicts if verdict.breaks)
     broken = f"the beam breaks in {', '.join(breaks)}" if breaks else ""
-    lines = summary(verdicts), of_batch(verdicts), broken, worst(verdicts)[1]
+    lines = summary(verdicts), of_batch(verdicts), broken, restless(verdicts), worst(verdicts)[1]
     far = [verdict for verdict in verdicts if verdict.travel_over_rise > FARTHEST]
     if far:
         names = ", ".join(dict.fromkeys(verdict.requirement for verdict in far))
@@ -89,6 +89,16 @@ def of_batch(verdicts: Sequence[Verdict]) -> str:
     for verdict in sorted(known, key=lambda verdict: verdict.share):
         least.setdefault(verdict.requirement, f"{verdict.requirement} {verdict.share_text}")
     return f"share of the devices as made that meet {', '.join(least.values())}" if least else ""
+
+
+def restless(verdicts: Sequence[Verdict]) -> str:
+    """Write which shocks must make the beam stay, but do not surely; the worst corner of each."""
+    wrong = [v for v in verdicts if v.must_snap is True and v.share_staying < 1]
+    lines: dict[str, str] = {}
+    for verdict in sorted(wrong, key=lambda verdict: verdict.share_staying):
+        where = f"{verdict.requirement}, {verdict.corner}, N = {plain(verdict.N)}"
+        lines.setdefault(verdict.requirement, f"{where}: {verdict.end_text}")
+    return "; ".join(lines.values())
 
 
 def worst(verdicts: Sequence[Verdict]) -> tuple[Verdict | None, str]:

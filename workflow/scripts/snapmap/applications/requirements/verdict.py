@@ -18,6 +18,8 @@ MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "ends differ"
 NO_ARRIVAL, NOT_FOLLOWED = "does not arrive", "not followed"
 """How a beam ends after a required shock."""
+LONG = 1e4
+"""Least duration that is told in seconds, ms."""
 NEEDS = {0: "must not trip", 1: "must trip and stay", 2: "may trip", 3: "must arrive"}
 """What a device must do, by the codes of SNAPS."""
 UNITS = {"f0": "Hz", "duration": "ms", "temperature": "degC"}
@@ -125,7 +127,8 @@ class Verdict:
         start = ", from the second shape" if self.start == SECOND else ""
         if self.drop:
             return f"{self.drop}, {self.direction}{start}"
-        lasts = f", {plain(self.duration)} ms" if np.isfinite(self.duration) else ""
+        size, unit = (1e3, "s") if self.duration >= LONG else (1.0, "ms")
+        lasts = f", {plain(self.duration / size)} {unit}" if np.isfinite(self.duration) else ""
         return f"{self.shape} {self.direction}{lasts}{start}"
 
     @property

@@ -58,7 +58,7 @@ def draw(figure: FigureBase, data: xr.Dataset, units: Units) -> None:
             for lines in _level_lines(ax, grid, field, levels, colors="0.3", linewidths=0.6):
                 ax.clabel(lines, fmt=scales.number, fontsize=6)
         else:
-            plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="cividis"), "")
+            plane.colour_bar(ax, plane.fill_field(ax, field, *across, cmap="viridis"), "")
         for of_requirement, (colour, _) in zip(reserve, cycle(LOOKS), strict=False):
             for edge in _level_lines(ax, grid, of_requirement, [1], colors=colour):
                 edge.set(path_effects=BEGINS_TO_FAIL)
