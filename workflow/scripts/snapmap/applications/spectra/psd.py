@@ -27,6 +27,12 @@ DENSITIES |= dict.fromkeys(("(m/s^2)^2/Hz", "m^2/s^4/Hz", "m^2/s^3"), MS2 * MS2)
 _LEVEL = re.compile(r"(\S*[\d.]) *([gm(].*)")
 
 
+def _listed(value):
+    """List the numbers of an array; leave anything else as it is."""
+    array = None if isinstance(value, list | tuple) else plain_numbers(value)
+    return value if array is None or not array.ndim else array.tolist()
+
+
 @dataclass(frozen=True)
 class Points(Kind):
     """Points of a spectrum, which ascend; levels are numbers in the first of the units, or text."""
@@ -49,12 +55,11 @@ class Points(Kind):
 
     def convert(self, value: object, reading: Reading) -> np.ndarray:
         """Convert pairs to an array, (points, 2); of Python also an array."""
-        array = None if isinstance(value, list | tuple) else plain_numbers(value)
-        pairs = value if array is None else array.tolist()
+        pairs = _listed(value)
         if not isinstance(pairs, list | tuple) or len(pairs) < LEAST:
             raise self.refuse(value, reading)
         points, faults = [], []
-        for place, item in enumerate(pairs):
+        for place, item in enumerate(map(_listed, pairs)):
             if not (isinstance(item, list | tuple) and len(item) == 2):
                 faults.append(f"[{place}]: {describe(item)} is not a pair")
                 continue
