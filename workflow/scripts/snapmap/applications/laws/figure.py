@@ -21,6 +21,7 @@ def draw(figure: Figure, laws: xr.Dataset) -> None:
     laws = curves.some_lines(laws, "f0", "C")
     top, below = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     scales.study_axis(top, scale := scales.scale_of("f0", laws.f0.values))
+    scales.leave_space(top, scale)
     for curve, colour, marker in curves.each_line(laws, "C"):
         look = {"color": colour, "linestyle": "", "marker": marker, "markersize": 3}
         top.plot(scale.places, curve.N_first, **look)
@@ -29,9 +30,8 @@ def draw(figure: Figure, laws: xr.Dataset) -> None:
             below.axhline(curve.dwell.item() / 2, **THIN | {"color": colour}, linestyle="--")
         for law, dashes in zip((curve.N_slow, curve.N_short), DASHES.values(), strict=True):
             holds = _holding(law, curve).notnull()
-            beside = (
-                holds | holds.shift(f0=1, fill_value=False) | holds.shift(f0=-1, fill_value=False)
-            )
+            left, right = (holds.shift(f0=by, fill_value=False) for by in (-1, 1))
+            beside = holds | left | right
             look = THIN | {"color": colour, "linestyle": dashes}
             top.plot(scale.places, law.where(beside), **look)
             top.plot(scale.places, law.where(holds), color=colour, **HOLDING)
