@@ -296,9 +296,12 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_array_equal(curve.get_ydata()[steps], one.probability.squeeze())
     # Bounds of shares end at 1.
     bounds = scattered.sensitivity_bound + xr.DataArray([0.0, 0.5], dims="bound")
-    ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity_bound=bounds))
+    more = {"sensitivity_bound": bounds, "sensitivity": 1.2 * scattered.sensitivity}
+    ax = drawn(figure.draw_sensitivity, scattered.assign(more))
     shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
-    assert sorted(shown) == sorted(scattered.sensitivity.values.reshape(-1, 3).tolist())
+    assert sorted(shown) == sorted(
+        np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
+    )
     tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
