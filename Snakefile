@@ -25,11 +25,10 @@ paths = [str(scripts), *filter(None, [os.getenv("PYTHONPATH")])]
 os.environ |= {"PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "agg"}
 os.environ |= dict.fromkeys(("PYTHONDONTWRITEBYTECODE", "PYTHONSAFEPATH"), "1")
 from snapmap.applications import attached, gather, refuse_all
-from snapmap.config.devices import nominal
 from snapmap.applications.whole import doubts, files_of, load_config
 from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
-from snapmap.files.atomic import hold, refuse_others, remove_leftovers
+from snapmap.files.atomic import hold, remove_leftovers
 from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.study import provenance
 from snapmap.study.study import OF_THRESHOLDS
@@ -37,7 +36,7 @@ from snapmap.sweeps.slabs import cells_in, slab_name
 from snapmap.workflow import made
 from snapmap.workflow.job_log import SHELL_PREFIX
 from snapmap.workflow.plan import SHARED_SECONDS, make_plan
-from snapmap.workflow.products import choose_views
+from snapmap.workflow.plan import choose_views
 from snapmap.workflow.progress import ALL_CELLS, CELLS, Progress
 
 if not workflow.overwrite_configfiles:
@@ -56,7 +55,6 @@ if not os.access(".", os.W_OK):
 try:
     for path in workflow.overwrite_configfiles:
         read_document(path)  # Snakemake keeps the last of two equal keys without a word
-    refuse_others("results", [".nc", ".csv", ".md", ".html", ".pdf", ".png"])
     study = load_config(config)
     # Parameters of the rules, by which products of other code are made again.
     code = provenance.hash_numbers(scripts / "jobs.py")
@@ -143,7 +141,6 @@ onsuccess:
 include: "workflow/rules/run.smk"
 include: "workflow/rules/applications.smk"
 include: "workflow/rules/draw.smk"
-include: "workflow/rules/studies.smk"
 include: "workflow/rules/made.smk"
 
 

@@ -15,8 +15,8 @@ from snapmap.applications.whole import Document, load_config
 from snapmap.config.document import OF_SNAKEMAKE
 from snapmap.device.device import VALUES
 from snapmap.solver.options import MODELS
-from snapmap.values.fields import Row, hints, rows
 from snapmap.values.kinds import kind_of
+from snapmap.values.records import Row, hints, rows
 from snapmap.values.units import LEAST, MOST
 from snapmap.workflow import plan
 

@@ -2,7 +2,7 @@
 
 ./run python -m studies accuracy [--device SECTION] [--small]
 
-Also draws results/figures/accuracy.pdf and .png. The study `peers` has other solvers.
+The study `peers` has other solvers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,10 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 
 from snapmap.device.device import Device
-from snapmap.figures import style
 from snapmap.files.text import DASH
 from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import to_cells
@@ -31,7 +29,6 @@ from .common import (
     is_small,
     number,
     ratio,
-    results,
     threshold_near,
 )
 from .peers.equations import Follow
@@ -63,8 +60,6 @@ STRIDE = 6
 """Stride through the posed rows for the plain loop."""
 ROUNDS, ERRORS = 3, ("median", "90 %", "largest")
 SETTINGS = Run(repeat=False).but(until="edge")
-LOOKS = {"auto": ("C5", "o"), "3 cosines": ("C0", "^"), "5 cosines": ("C1", "s")}
-LOOKS |= {"11 cosines": ("C2", "D"), HANDOUT: ("C6", "v"), PLAIN: ("0.4", "P")}
 
 
 class Posed(NamedTuple):
@@ -98,10 +93,6 @@ def main() -> None:
     points = pd.DataFrame(
         point for speed, ends in SPEEDS.items() for point in measure(device, speed, ends)
     )
-    with style.paper():
-        figure = style.double_column(height=3.4)
-        draw(figure.subplots(1, len(SPEEDS), sharey=True), points)
-        style.save(figure, results("figures/accuracy"), {"title": "Speed against error"})
     write("accuracy", all_points(points), default_points(points), gains(points))
 
 
@@ -240,32 +231,3 @@ def front(points: pd.DataFrame) -> np.ndarray:
     known = points.dropna(subset="median").sort_values("median")
     errors = known["median"].clip(lower=RESOLVED)  # smaller ones are below the refinement
     return np.array([errors, known["simulations/s"].cummax()])
-
-
-def draw(axes: Sequence[Axes], points: pd.DataFrame) -> None:
-    """Draw slow and fast pulses on two axes, and a legend."""
-    for ax, (speed, of_speed) in zip(axes, points.groupby("pulses", sort=False), strict=True):
-        draw_speed(ax, of_speed)
-        low, high = SPEEDS[speed]
-        ax.set_title(f"{speed} pulses: $f_0$ = {low:g} to {high:g} of the device's own")
-    axes[1].set_ylabel("")
-    style.legend(axes[0].figure, style.labelled(axes), ncols=5)
-
-
-def draw_speed(ax: Axes, points: pd.DataFrame) -> None:
-    """Draw speed over error, medians with bars up to 90 % of the rows, of slow or fast pulses."""
-    for name, of_model in points.groupby("model", sort=False):
-        colour, marker = LOOKS[name]
-        x, far = (100 * of_model[key] for key in ("median", "90 %"))
-        y = of_model["simulations/s"]
-        ax.plot(x, y, color=colour, marker=marker, label=name)
-        ax.hlines(y, x, far, color=colour, alpha=0.35, linewidth=1.5)
-    handout = points[(points.model == HANDOUT) & (points.setting == "1")]
-    ring = {"marker": "o", "markersize": 8, "fillstyle": "none", "linestyle": "", "color": "k"}
-    ring["label"] = "the handout's setting"
-    ax.plot(100 * handout["median"], handout["simulations/s"], **ring)
-    error = 100 * points["reference"].iloc[0]
-    ax.axvline(error, color="0.6", linewidth=0.6, label="error of the reference")
-    ax.set(xscale="log", yscale="log", xlabel="error of the threshold (%)")
-    ax.set_ylabel("simulations per second, one thread")
-    ax.text(0.03, 0.04, "better: up and to the left", transform=ax.transAxes, color="0.4")

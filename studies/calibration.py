@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from snapmap import Study, threshold
-from snapmap.applications.calibration.dataset import fit
+from snapmap.applications.calibration.dataset import fit, surface_of
 from snapmap.applications.calibration.shots import Group, Shots
-from snapmap.applications.calibration.surface import surface_of
 from snapmap.device.device import Device
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.options import Chosen, Cosines, Elements

@@ -4,9 +4,9 @@ from PIL import Image
 
 from snapmap.applications import gather
 from snapmap.applications.requirements.verdict import read_verdicts
-from snapmap.study.netcdf import open_whole
+from snapmap.study.variables import open_whole
 from snapmap.workflow.made import LIST
-from snapmap.workflow.products import choose_views
+from snapmap.workflow.plan import choose_views
 
 
 def products(study):

@@ -5,8 +5,7 @@ import random
 import yaml
 
 from snapmap.applications.whole import load_config
-from snapmap.workflow.cost import core_seconds
-from snapmap.workflow.plan import make_plan
+from snapmap.workflow.plan import core_seconds, make_plan
 
 MOST_SECONDS = 15
 """Largest forecast of core time of a study that is drawn."""

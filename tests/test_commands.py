@@ -33,9 +33,6 @@ ELSEWHERE = {
         "snapmap run config/arm.yaml results/figures/window.pdf --cores 2"
     ],
     "test_a_finished_run_makes_a_report": ["snapmap run sensor.yaml --report report.zip"],
-    "test_studies_are_targets_of_their_own": [
-        *("snapmap run mine.yaml accuracy", "snapmap run mine.yaml stability")
-    ],
     "test_the_workflow_of_studies_plans_each_and_by_default_no_slow_one": [
         "snakemake --snakefile studies.smk --cores 2",
         "snakemake --snakefile studies.smk --cores 2 all_slow",

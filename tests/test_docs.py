@@ -24,7 +24,7 @@ from snapmap.applications import attached
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.beam.modal import natural_frequency
 from snapmap.numerics.statistics import percents
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 
 PAGES = "recipes", "own-physics", "tutorial", "figures", "theory", "thresholds", "pulses"
 IN_PYTHON = *PAGES, *(f"applications/{name}" for name in attached())

@@ -1,28 +1,22 @@
 """Hard cases and settled cells, for docs/accuracy.md.
 
 ./run python -m studies stability [--device SECTION] [--small]
-
-Also draws figures of the verdicts and of which cells settle.
 """
 
-import numpy as np
-
 from snapmap import Cosines, Study, sweep
-from snapmap.figures import maps, style
 from snapmap.numerics.portable import geometric, linear
 
-from ..common import command_device, few, results
+from ..common import command_device, few
 from ..tables import write
 from .cases import CASES, MODELS
-from .figures import draw_panels
 from .measure import measure
 from .settled import followed_on
 from .tables import tables
 
 GRID = {"N": linear(600, 2400, 61), "f0": geometric(100, 3e4, 31), "C": [0.025, 25.0, 200.0]}
 """Axes of the cells that may settle: multiples of g, Hz, uN us/um."""
-DAMPINGS, SHOWN = [0.0, 4e-4, 4e-3], 25.0
-"""Dampings of the beam, 1/us; C of the maps, uN us/um."""
+DAMPINGS = [0.0, 4e-4, 4e-3]
+"""Dampings of the beam, 1/us."""
 
 
 def main() -> None:
@@ -31,13 +25,4 @@ def main() -> None:
     grid = {key: few(values, 3) for key, values in GRID.items()}
     study = Study(device, Cosines(modes=4), horizon=6000.0)
     settled = sweep(study, **grid, axes={"damping": few(DAMPINGS, 2)})
-    with style.paper():
-        figure = style.double_column(height=9)
-        draw_panels(figure, cases)
-        style.save(figure, results("figures/stability"), cases.attrs)
-        figure = style.double_column(height=9)
-        C = np.clip(SHOWN, None, max(grid["C"]))
-        panels = [(settled.sel(damping=alpha, C=C), None, ()) for alpha in few(DAMPINGS, 2)]
-        maps.draw_maps(figure, panels, "f0", "N", shows="ends")
-        style.save(figure, results("figures/settled"), settled.attrs)
     write("stability", *tables(cases, settled), followed_on(device))

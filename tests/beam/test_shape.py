@@ -12,7 +12,7 @@ import snapmap
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
-from snapmap.config.measured_shape import read_shape
+from snapmap.config.devices import read_shape
 
 SHAPES = {
     "second cosine": {"cosine_2": 0.1},

@@ -1,14 +1,12 @@
 """Files that a config names: what they hold decides, and what cannot be a file is refused."""
 
 import hashlib
-import json
 import os
 import tracemalloc
 
 import numpy as np
 import pytest
 import yaml
-from small_results import CONFIG, make_cells, make_found
 from small_studies import THREE_COSINES, changed, faults
 from small_workflow import snakemake
 
@@ -19,9 +17,8 @@ from snapmap.applications.whole import files_of, load_config, planned_study
 from snapmap.config.points import read_points
 from snapmap.config.yaml_file import read_document
 from snapmap.files.named import hold_to_plan, plan_with
-from snapmap.pulse.recorded import ACCELERATIONS, TIMES, read_pulse
+from snapmap.pulse.pulse import ACCELERATIONS, TIMES, read_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.workflow.alike import check_alike
 
 STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
 marks: points.csv
@@ -162,13 +159,6 @@ def test_contents_decide_what_runs_again_and_dates_do_not(root, folder):
     assert "simulate_all  " in snakemake(root, ".", "mine.yaml", "--dry-run", cube)[1]
 
 
-def test_a_folder_in_place_of_a_product_is_named(root, folder):
-    (folder / "results/cube.nc").mkdir(parents=True)
-    code, output = snakemake(root, ".", "mine.yaml", "results/cube.nc", check=False)
-    assert code != 0 and "results/cube.nc: is a folder, where a file belongs; remove it" in output
-    assert "Traceback" not in output
-
-
 def test_ten_million_rows_are_refused_unread(tmp_path):
     with open(tmp_path / "points.csv", "wb") as file:
         file.truncate(100_000_000)
@@ -190,27 +180,6 @@ def test_no_other_file_is_quoted(tmp_path):
 def test_plain_numbers_are_read_as_they_are(tmp_path):
     (tmp_path / "plain.yaml").write_text("a: [0, -7, 0.5, +3, 1.5e+3, .5, 1e3]\n")
     assert read_document(tmp_path / "plain.yaml") == {"a": [0, -7, 0.5, 3, 1500.0, 0.5, "1e3"]}
-
-
-def test_a_product_of_another_study_is_named():
-    found = make_found(C=(25.0,)).isel(f0=slice(2))
-    cube = make_cells(["22"]).expand_dims("C").assign_coords(f0=found.f0)
-    check_alike({"cube.nc": cube, "threshold.nc": found}, CONFIG)
-    other = json.dumps(CONFIG | {"model": {"name": "cosines"}})
-    for change, why in {
-        lambda product: product.assign_attrs(config=other): "model.name is cosines, not elements",
-        lambda product: product.drop_attrs(): "it names none",
-    }.items():
-        for products, wrong in (
-            ({"cube.nc": cube, "threshold.nc": change(found)}, "threshold"),
-            ({"cube.nc": change(cube), "threshold.nc": found}, "cube"),
-        ):
-            with pytest.raises(
-                ValueError, match=rf"^{wrong}\.nc: belongs to another study \({why}"
-            ):
-                check_alike(products, CONFIG)
-    with pytest.raises(ValueError, match=r"^cube\.nc, threshold\.nc: .* two studies, as C differs"):
-        check_alike({"cube.nc": cube, "threshold.nc": found.assign_coords(C=[7.0])}, CONFIG)
 
 
 @pytest.mark.parametrize("read", [read_points, snapmap.read_pulse, read_document])

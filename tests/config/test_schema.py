@@ -10,7 +10,7 @@ import yaml
 from jsonschema import Draft202012Validator
 
 from snapmap.applications.whole import Document
-from snapmap.values.fields import hints
+from snapmap.values.records import hints
 
 CONFIGS = [
     *(f"config/{name}.yaml" for name in ("arm", "config", "damped", "fine", "handout", "sensor")),

@@ -113,7 +113,7 @@ def test_an_end_is_elsewhere_by_its_side_alone():
     assert S.end_states(cells).squeeze().values.tolist() == states
     assert len(hatched(end_map(cells), plane.HATCHES["elsewhere"])) == 1
     assert with_summary(cells).attrs["cells_ended_elsewhere"] == 1
-    assert "; 1 changes side with a smaller time step; " in summary(with_summary(cells))
+    assert "; 1 on another side with a smaller time step; " in summary(with_summary(cells))
 
 
 def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_is_proven():
@@ -124,9 +124,8 @@ def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_i
     words = legend_words(end_map(cells))
     assert words == ["tripped, settled (2 cells)", "ends elsewhere with another step (4 cells)"]
     counted = with_summary(cells)
-    assert counted.attrs["share_settled"] == 1
     assert summary(counted).startswith(
-        "6 cells, all settled; 4 change side with a smaller time step; "
+        "6 cells, all settled; 4 on another side with a smaller time step; "
     )
     assert not any("proven" in state.words for state in S.STATES)
 
@@ -150,7 +149,7 @@ def test_cells_in_any_order_lie_about_their_grid_points_and_labels_near_a_change
     assert filled(snap_map(cells))[0] == [[0, 1], [1, 0]]
     counted = with_summary(make_cells(["2" * 20, "0" * 20]).isel(N=turn))
     assert counted.attrs["labels_near_change"] == 4
-    assert "about 4 lie so near a threshold (1 %) that the label is uncertain" in summary(counted)
+    assert "about 4 within 1 % of a threshold, of uncertain label" in summary(counted)
     assert "uncertain" not in summary(with_summary(make_cells(["00", "00"])))
 
 

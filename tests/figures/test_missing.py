@@ -8,14 +8,14 @@ from small_results import make_cells, make_found, make_verdict
 
 import snapmap
 from snapmap.applications.boundary.figure import draw_damage_boundary
-from snapmap.applications.calibration.figure import draw_calibration
+from snapmap.applications.calibration.figure import draw as draw_calibration
 from snapmap.applications.histories.figure import draw_history
-from snapmap.applications.laws.figure import draw_laws
+from snapmap.applications.laws.figure import draw as draw_laws
 from snapmap.applications.laws.laws import laws_of
 from snapmap.applications.requirements.figure import draw_margins
-from snapmap.applications.statics.figure import draw_statics
+from snapmap.applications.statics.figure import draw as draw_statics
 from snapmap.applications.tolerances.figure import draw_stem
-from snapmap.applications.window.figure import draw_window
+from snapmap.applications.window.figure import draw as draw_window
 from snapmap.applications.window.window import window_of
 from snapmap.figures import maps, style, thresholds
 from snapmap.pulse.shocks import make_shocks

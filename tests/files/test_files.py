@@ -15,11 +15,11 @@ import pytest
 import xarray as xr
 
 import snapmap
-from snapmap.files.atomic import fingerprint, hold, refuse_others
+from snapmap.files.atomic import fingerprint, hold
 from snapmap.files.tables import read_rows
 from snapmap.files.text import exact, is_showable, stem_of
 from snapmap.solver.options import Cosines
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 from snapmap.thresholds.summary import write_thresholds
 
 
@@ -131,7 +131,7 @@ OPENED = """
 import ctypes, sys
 {first}
 import snapmap
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 cube = snapmap.open_cube(sys.argv[1])
 write(cube[["t_snap"]], sys.argv[1] + ".nc")
 """
@@ -178,15 +178,3 @@ def test_a_fingerprint_is_that_of_the_seal_or_of_the_content(cube, tmp_path):
     for number, text in enumerate(texts):
         (tmp_path / f"{number}.csv").write_text(text)
     assert len({fingerprint(path) for path in tmp_path.iterdir()}) == 2 + len(texts)
-
-
-@pytest.mark.parametrize("stem", ["results", "results/made"])
-def test_what_is_no_folder_or_no_file_is_named(tmp_path, stem):
-    (tmp_path / stem).parent.mkdir(exist_ok=True)
-    (tmp_path / stem).touch()
-    (tmp_path / "pipe").mkdir()
-    os.mkfifo(tmp_path / "pipe" / "cube.nc")
-    with pytest.raises(ValueError, match=rf"{stem}: is a file, where a folder belongs; remove it$"):
-        refuse_others(tmp_path / stem, [".nc"])
-    with pytest.raises(ValueError, match=r"cube\.nc: is no file, where a file belongs; remove it$"):
-        refuse_others(tmp_path / "pipe", [".nc"])

@@ -20,13 +20,14 @@ ALLOWED = {
         *("applications/page/figure.py:_required", "thresholds/summary.py:to_digits"),
     ),
     "rounded to few digits": (
-        *("applications/calibration/", "applications/tolerances/sensitivity.py"),
+        *("applications/calibration/", "applications/tolerances/dataset.py"),
         *("beam/stress.py:break_probability", "device/samples.py"),
         "numerics/statistics.py:share_bounds",
     ),
     "only counts, compares or predicts": (
-        *("applications/requirements/verdict.py:Verdict", "applications/tolerances/statistics.py"),
-        *("thresholds/regression.py", "thresholds/probe.py:amplitudes"),
+        *("applications/requirements/verdict.py:Verdict", "thresholds/probe.py:amplitudes"),
+        *("thresholds/population.py:thresholds_of_samples", "thresholds/population.py:_expected"),
+        "thresholds/population.py:_scan_samples",
     ),
     "said on the page about running to differ between libraries": (
         *("applications/spectra/", "applications/statics/statics.py:_tilted"),

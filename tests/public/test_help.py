@@ -13,7 +13,7 @@ from dataclasses import is_dataclass
 import pytest
 
 import snapmap
-from snapmap.values.fields import rows, sentences
+from snapmap.values.records import rows, sentences
 
 SECTION = re.compile(r"^(\w+)\n-{3,}\n", re.M)
 RECORDS = ("Auto", "Beam", "Cosines", "Device", "Elements", "Reference", "Study")

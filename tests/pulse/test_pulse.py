@@ -13,8 +13,7 @@ from varied import varied
 import snapmap
 from snapmap import Study
 from snapmap.pulse.pulse import SHAPES, G, Pulse, blow_at, make_pulse, sampled
-from snapmap.pulse.shocks import make_shocks
-from snapmap.pulse.trains import make_drop, make_train
+from snapmap.pulse.shocks import make_drop, make_shocks, make_train
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 

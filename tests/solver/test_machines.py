@@ -15,7 +15,7 @@ from pathlib import Path
 
 import snapmap
 from snapmap.beam.modal import natural_frequency
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 from snapmap import Reference, Study
 from snapmap.solver.outcome import SNAPPED
 from snapmap.numerics.portable import geometric, linear

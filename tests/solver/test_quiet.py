@@ -7,7 +7,7 @@ import pytest
 from varied import varied
 
 from snapmap.applications.histories.motion import record
-from snapmap.pulse.trains import make_drop, make_train
+from snapmap.pulse.shocks import make_drop, make_train
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.motion import stress_rows

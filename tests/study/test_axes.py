@@ -16,7 +16,7 @@ from snapmap.applications.whole import load_config
 from snapmap.config.views import frequency_of
 from snapmap.device.device import VALUES
 from snapmap.study.axes import duration_of
-from snapmap.sweeps.collect import collect_slabs
+from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 from snapmap.workflow.plan import make_plan
 

@@ -8,7 +8,7 @@ import xarray as xr
 import snapmap
 from snapmap import Study
 from snapmap.solver.outcome import ABSENT, OUTCOMES
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the checker itself
 MODEL = {"model": "3 cosines"}

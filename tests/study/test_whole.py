@@ -21,7 +21,7 @@ from snapmap.applications import (
     window,
 )
 from snapmap.applications.whole import load_config
-from snapmap.study.netcdf import open_whole, write
+from snapmap.study.variables import open_whole, write
 
 
 @pytest.fixture

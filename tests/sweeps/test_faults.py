@@ -11,7 +11,7 @@ from small_studies import THREE_COSINES
 
 import snapmap
 from snapmap.applications.whole import load_config
-from snapmap.sweeps.collect import collect_slabs
+from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 
 SWEEP = """sweep:
@@ -103,7 +103,6 @@ CHANGES = {
     "8 is not a code of an outcome; codes are 0 to 6": lambda cube: with_code(cube, 8),
     "N is an axis of numbers, but": lambda cube: cube.assign_coords(N=[np.nan, 1, 2, 3]),
     "f0 is an axis of numbers, but": lambda cube: cube.assign_coords(f0=[*"abcd"]),
-    "its attribute config is not JSON": lambda cube: cube.assign_attrs(config="model: auto"),
 }
 
 

@@ -18,9 +18,8 @@ from snapmap.applications.whole import load_config
 from snapmap.solver.cells import to_cells
 from snapmap.solver.cost import steps_and_seconds
 from snapmap.solver.models import build_model
-from snapmap.sweeps.collect import collect_slabs
-from snapmap.sweeps.grid import follow_rows
-from snapmap.sweeps.slabs import slab_name, write_slab
+from snapmap.sweeps.cube import collect_slabs
+from snapmap.sweeps.slabs import follow_rows, slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
 
 STUDY = THREE_COSINES + "run: {horizon: 200 us, until: snap}"

@@ -16,12 +16,12 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, REPEATED_STEP, label
 from snapmap.solver.settings import Run
-from snapmap.thresholds.bars import distance, make_bars
 from snapmap.thresholds.edges import stretches
 from snapmap.thresholds.effort import CLOSE_STEP
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
 from snapmap.thresholds.ragged import refine_edges
 from snapmap.thresholds.search import Search, find_changes
+from snapmap.thresholds.survey import distance, make_bars
 
 HOW = {"model": "3 cosines", "horizon": 300.0}
 CHEAP = {"f0": [1500.0], "C": [25.0]}
@@ -170,12 +170,6 @@ def test_a_threshold_is_where_the_sweep_changes(handout):
     assert pytest.approx(984.73, abs=0.1) == N
     cube = snapmap.sweep(Study(handout, until="snap", **how), N=[0.9997 * N, 1.0001 * N], **asked)
     assert np.isfinite(cube.t_snap.values).ravel().tolist() == [False, True]
-
-
-def test_a_tolerance_that_bars_do_not_keep_is_said(handout):
-    with pytest.warns(UserWarning, match="tolerance: 1e-05 bounds only the refinement; .* 1 of 1"):
-        close = snapmap.threshold(Study(handout, **HOW), tolerance=1e-5, **CHEAP)
-    assert close.N_error.item() > 2e-5 * close.N_first.item()
 
 
 def test_what_latches_from_a_shock_on_does_so_in_another_step_too(handout):

@@ -24,7 +24,6 @@ rule draw_study:
         runtime=10,
         mem_mb=memory(2000),
     params:
-        document=constant(study.document()),
         views=constant(views._asdict()),
         applications=constant(
             {

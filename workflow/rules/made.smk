@@ -1,7 +1,7 @@
 # Products that are there are held to what this run would make: what belongs to another study or code
 # is made again. Neither Snakemake's times nor its metadata outlive a copy.
 
-makers = [maker for maker in workflow.rules if maker.name not in STUDIES]
+makers = list(workflow.rules)
 single = [maker for maker in makers if not maker.has_wildcards()]
 by_path = {str(path): maker for maker in single for path in maker.output}
 inputs = {path: [*map(str, maker.input)] for path, maker in by_path.items()}
@@ -28,7 +28,7 @@ others = []
 if workflow.is_main_process:
     others = made.find_others(made_from)
     if others:
-        tell(made.say_why(others, study.document()))
+        tell(made.say_why(others))
         for maker in makers:
             maker.set_input(force_others)
     right = [path for path in made_from if path not in others]

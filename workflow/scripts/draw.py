@@ -4,7 +4,7 @@ import gc
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import ExitStack, chdir, contextmanager, nullcontext
+from contextlib import chdir, contextmanager, nullcontext
 from functools import partial
 from multiprocessing import get_context
 
@@ -21,26 +21,24 @@ from snapmap.applications import attached
 from snapmap.config.points import read_points
 from snapmap.figures import maps, scales, style
 from snapmap.figures.thresholds import draw_threshold_map, draw_thresholds
-from snapmap.study.netcdf import open_whole
 from snapmap.study.provenance import hash_drawing
-from snapmap.workflow.alike import check_alike
+from snapmap.study.variables import open_whole
 from snapmap.workflow.job_log import end_with, run_rule
 
 
-def draw_study(files, folder, document, views, applications, threads, watch):
+def draw_study(files, folder, views, applications, threads, watch):
     """Draw the figures that every study has, in one job, as its start takes longer than a figure.
 
     files: paths of cube and thresholds, and of the largest stresses if beams have a strength
     folder: where figures are saved; threads: number of processes
-    document: of the study, as `Study.document` gives it, to which all that is read must belong
     views: figures by kind, as `products.Views` has them, in plain values
     applications: arguments of `draw` of applications, by the names of their folders
     watch: as of `run_rule`
     """
     points = read_points(*views["own_points"]) if views["own_points"] else ()
-    with ExitStack() as opened:
-        paths = [files[key] for key in ("cube", "threshold", "stress") if key in files]
-        check_alike({path: opened.enter_context(open_whole(path)) for path in paths}, document)
+    for key in ("cube", "threshold", "stress"):
+        if key in files:
+            open_whole(files[key]).close()
     of_thresholds = partial(_draw_thresholds, files, folder)
     tasks = [
         *(partial(_draw_maps, files, folder, points, **figure) for figure in views["maps"]),
@@ -100,7 +98,6 @@ def _draw_maps(files, folder, points, name, shows, panels):
                 return
             cells, band, shocks = data[0]
             maps.draw_map(figure.subplots(), cells, band, x, y, shocks, points, shows)
-            style.fit(figure, maps.RATIO)
 
 
 def _draw_thresholds(files, folder, draw, columns, view):
@@ -109,8 +106,6 @@ def _draw_thresholds(files, folder, draw, columns, view):
         style.saved(f"{folder}/{view['name']}", thresholds.attrs, 3.4, columns) as figure,
     ):
         draw(figure.subplots(), _along(thresholds, view), view["x"], view["y"])
-        if columns == 1:
-            style.fit(figure, maps.RATIO)
 
 
 def function_of(rule):

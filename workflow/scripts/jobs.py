@@ -26,9 +26,8 @@ def simulate_slab(study, axes, path, code):
 
 def collect(study, slab_paths, path, code):
     """Join slabs to the cube, write it, and print its summary."""
-    from snapmap.study.netcdf import write_product
-    from snapmap.sweeps.collect import collect_slabs
-    from snapmap.sweeps.cube import summary
+    from snapmap.study.variables import write_product
+    from snapmap.sweeps.cube import collect_slabs, summary
 
     write_product(collect_slabs(slab_paths, study.axes, study.document(), code), path, summary)
 
@@ -48,7 +47,7 @@ def find_threshold(study, path, table_path, quick):
 
     quick: files of each quick application by their names, by the names of their folders
     """
-    from snapmap.study.netcdf import write_product
+    from snapmap.study.variables import write_product
     from snapmap.thresholds.summary import summary, write_thresholds
     from snapmap.thresholds.surface import thresholds_of
 

@@ -10,10 +10,8 @@ from small_results import drawn
 import snapmap
 from snapmap import Study
 from snapmap.applications.calibration import figure
-from snapmap.applications.calibration.dataset import fit, summary
-from snapmap.applications.calibration.likelihood import Profile, reach
+from snapmap.applications.calibration.dataset import Profile, Surface, fit, reach, summary
 from snapmap.applications.calibration.shots import read_shots, shots_from
-from snapmap.applications.calibration.surface import Surface
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}

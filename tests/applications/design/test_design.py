@@ -6,7 +6,7 @@ import pytest
 import snapmap
 from snapmap import Study
 from snapmap.pulse.shocks import make_shocks
-from snapmap.study.shock import Requirement, take_shock
+from snapmap.study.shock import Requirement
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -100,7 +100,7 @@ def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(hando
         ({}, ["half sine", "sawtooth"], ("-z",)),
         (named, ["trapezoid", "trapezoid"], ("+z", "-z")),
     ):
-        required = take_shock(Requirement(**asked | more), shocks).shocks
+        required = Requirement(**asked | more).under(shocks).shocks
         assert [each.pulse.name for each in required.each()] == names
         assert required.directions == directions
     record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}

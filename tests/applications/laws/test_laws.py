@@ -5,7 +5,7 @@ import pytest
 from small_results import visible
 
 import snapmap
-from snapmap.applications.laws.figure import draw_laws
+from snapmap.applications.laws.figure import draw as draw_laws
 from snapmap.applications.laws.laws import laws_of, saddle_rates, summary
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.figures import style

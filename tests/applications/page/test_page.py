@@ -17,7 +17,7 @@ from snapmap.applications.whole import load_config
 from snapmap.figures.states import ABSENT, ELSEWHERE, SNAPS, STATES, end_states, snap_states
 from snapmap.solver.outcome import OUTCOMES
 from snapmap.solver.settings import Run
-from snapmap.study.netcdf import write
+from snapmap.study.variables import write
 
 ALWAYS, FIRST, _, CHOSEN, POINTS = range(1, 6)
 """Which curve of the map is which."""
@@ -233,17 +233,10 @@ def test_the_slider_changes_map_classes_and_thresholds(view, cube):
         assert f"{first:g} ± 20; above {always:g} all snap" in view.text("#edge")
 
 
-def test_a_switch_shows_when_cells_snap_and_where_they_end(view, cube):
-    """Lines are those of snapping; each time is a colour of its own."""
+def test_a_switch_shows_where_cells_end(view, cube):
+    """Lines are those of snapping."""
     view.slide(0)
     cells = cube.isel(C=0).transpose("N", "f0")
-    view.choose("time")
-    shown, times = np.array(view.shown("map", "z")), cells.t_snap.values
-    snaps = np.isfinite(times)
-    assert (shown[~snaps] == 0).all() and (abs(shown[snaps] - 1) < 0.5).all()
-    assert (np.argsort(shown[snaps]) == np.argsort(times[snaps])).all()
-    first, last = (f"{end / 1e3:.4g} ms" for end in (cube.t_snap.min(), cube.t_snap.max()))
-    assert f"{first} {last}, first snap ({snaps.sum()})" in view.text("#classes")
     view.choose("where it ends")
     assert view.shows(cells, states=end_states) and not any(view.shown("map", "y", FIRST))
     apart = np.argwhere((end_states(cells) == ELSEWHERE).values)
@@ -569,7 +562,7 @@ def test_the_beam_is_drawn_as_it_starts_and_a_record_too_long_to_follow_leaves_t
     show, view, cube, monkeypatch
 ):
     assert drawn_shapes(view) == ["first"]
-    monkeypatch.setattr("snapmap.applications.page.forms.MOST_PIECES", 0)
+    monkeypatch.setattr("snapmap.applications.page.figure.MOST_PIECES", 0)
     document = json.loads(cube.attrs["config"])
     document["run"] |= {"start": "second"}
     opened = show(cube.assign_attrs(config=json.dumps(document)))

@@ -9,7 +9,7 @@ from varied import varied
 
 from snapmap.applications import page as page_of
 from snapmap.applications.histories.history import simulate
-from snapmap.applications.page import forms
+from snapmap.applications.page import figure as forms
 from snapmap.device.device import ALONE
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model

@@ -9,7 +9,7 @@ from small_studies import THREE_COSINES
 from varied import varied
 
 import snapmap
-from snapmap.applications.histories.near import NEAR
+from snapmap.applications.histories.history import NEAR
 from snapmap.applications.page.figure import _worst
 from snapmap.applications.requirements import application, shocks_of
 from snapmap.applications.requirements.check import check

@@ -14,8 +14,7 @@ from varied import varied
 import snapmap
 from snapmap.applications.requirements import application
 from snapmap.applications.requirements.figure import draw_margins
-from snapmap.applications.requirements.shares import missing_fire, with_shares
-from snapmap.applications.requirements.summary import of_batch, summary
+from snapmap.applications.requirements.summary import missing_fire, of_batch, summary, with_shares
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.tolerances import application as tolerances
 from snapmap.applications.whole import load_config

@@ -19,13 +19,14 @@ from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
 from snapmap.applications.tolerances import figure
-from snapmap.applications.tolerances.dataset import tolerances_of
-from snapmap.applications.tolerances.sensitivity import crossed, indices
-from snapmap.applications.tolerances.statistics import (
+from snapmap.applications.tolerances.dataset import (
     count_below,
+    crossed,
+    indices,
     moments,
     quantile_bounds,
     quantiles,
+    tolerances_of,
 )
 from snapmap.applications.whole import load_config
 from snapmap.device.samples import CUT, Plan, Scatter, Scatters, Tolerances
@@ -295,9 +296,12 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_array_equal(curve.get_ydata()[steps], one.probability.squeeze())
     # Bounds of shares end at 1.
     bounds = scattered.sensitivity_bound + xr.DataArray([0.0, 0.5], dims="bound")
-    ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity_bound=bounds))
+    more = {"sensitivity_bound": bounds, "sensitivity": 1.2 * scattered.sensitivity}
+    ax = drawn(figure.draw_sensitivity, scattered.assign(more))
     shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
-    assert sorted(shown) == sorted(scattered.sensitivity.values.reshape(-1, 3).tolist())
+    assert sorted(shown) == sorted(
+        np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
+    )
     tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
@@ -330,7 +334,7 @@ def test_a_yield_names_what_it_leaves_out(monkeypatch):
     study = load_config(document | {"requirements": asked, "tolerances": {"thickness": "1 %"}})
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
-    monkeypatch.setattr("snapmap.study.netcdf.write_product", lambda *made: written.append(made))
+    monkeypatch.setattr("snapmap.study.variables.write_product", lambda *made: written.append(made))
     tolerances.application.run(study, "results/tolerance.nc")
     ((made, *_),) = written
     assert made["yield"].attrs == {"leaves_out": "srs, the closing of crash"}

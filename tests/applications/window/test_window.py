@@ -190,7 +190,7 @@ INTERNAL = {"spring": ("N/m", 1.0), "C": ("uN*us/um", 1.0)}
 
 
 def drawn_window(window, units=INTERNAL):
-    figure.draw_window(page := style.double_column(4), window, units)
+    figure.draw(page := style.double_column(4), window, units)
     return page.axes
 
 

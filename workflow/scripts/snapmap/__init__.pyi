@@ -10,15 +10,15 @@ from .device.curved_beam import Beam as Beam
 from .device.device import Device as Device
 from .figures.maps import plot_outcome as plot_outcome
 from .pulse.pulse import Pulse as Pulse
+from .pulse.pulse import read_pulse as read_pulse
 from .pulse.pulse import sampled as sampled
-from .pulse.recorded import read_pulse as read_pulse
 from .solver.options import Auto as Auto
 from .solver.options import Cosines as Cosines
 from .solver.options import Elements as Elements
 from .solver.options import Reference as Reference
 from .study.study import Study as Study
 from .study.variables import words as words
-from .sweeps.collect import open_cube as open_cube
+from .sweeps.cube import open_cube as open_cube
 from .sweeps.cube import sweep as sweep
 from .thresholds.surface import threshold as threshold
 

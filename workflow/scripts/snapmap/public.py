@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,10 @@ from .solver.options import MODELS
 from .solver.settings import FIRST
 from .study.axes import frequencies
 from .study.study import Study
-from .values import calls
+from .values.arguments import Reading, by_name, convert, one_time
+from .values.faults import Faults, WrongCall
+from .values.kinds import argument_of
+from .values.records import shown
 from .values.units import OF_DAMPER
 
 ELSEWHERE = {
@@ -36,12 +40,45 @@ ELSEWHERE = {
 
 
 def checked(function: Callable) -> Callable:
-    """Wrap a public function so that each call is checked; ValueError or TypeError, in lines."""
+    """Wrap a public function so that its arguments are converted by their kinds.
+
+    A wrong call raises WrongCall, a line for each argument that is wrong, missing or too many.
+    """
     if function.__name__ == "sweep":
         function = _with_observers(function)
-    call = calls.checked(_at_home(function), ELSEWHERE, _prepare, _unit_of_C)
+    signature = inspect.signature(function)
+    parameters, at_home = signature.parameters, _at_home(function)
+    arguments = {
+        key: argument_of(part.annotation, part.default is not part.empty)
+        for key, part in parameters.items()
+    }
+
+    @functools.wraps(function)
+    def call(*positional: Any, **named: Any) -> Any:
+        given, faults = by_name(function.__name__, parameters, positional, named)
+        faults |= _one_time(arguments, given)
+        reading = Reading(unit_of_C=_unit_of_C(given))
+        try:
+            values = convert(arguments, given, reading, faults, "is not an argument", ELSEWHERE)
+        except Faults as error:
+            raise WrongCall(*error.args) from None
+        with _prepare(function, values):
+            return at_home(**values)
+
+    call.__signature__ = shown(signature, arguments)
     call.__module__ = __package__  # by which it is pickled
     return call
+
+
+def _one_time(arguments, given):
+    """Let f0 be left out beside a duration, which excludes it; returns lines by name."""
+    if not {"f0", "duration"} <= arguments.keys():
+        return {}
+    written = {key for key in given if given[key] is not None}
+    faults = one_time(written, lasts_itself="f0" in given or arguments["f0"].is_optional)
+    if "duration" in given:
+        given.setdefault("f0")
+    return faults
 
 
 def _at_home(function):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ class Application:
         return ()
 
     def counts(self, study: Config) -> Mapping[str, int]:
-        """How much it computes, by the words of `workflow.cost.RUNS`."""
+        """How much it computes, by the words of `workflow.plan.RUNS`."""
         return {}
 
     # What it makes.
@@ -188,11 +189,14 @@ class Application:
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw and save the figures, all from one file, or each from a file of its own.
 
+        The function `draw` of the folder's `figure.py` takes an empty figure, the dataset, and what
+        `figures` says of it by name.
         files: as `drawn_from` names them
         """
         from ..figures import style
-        from ..study.netcdf import open_whole
+        from ..study.variables import open_whole
 
+        draw = import_module(f"{type(self).__module__}.figure").draw
         (paths,) = files.values()
         paths = [paths] * len(figures) if isinstance(paths, str) else paths
         for (name, how), path in zip(figures.items(), paths, strict=True):
@@ -200,11 +204,4 @@ class Application:
                 open_whole(path) as data,
                 style.saved(f"{folder}/{name}", data.attrs, *self.size) as figure,
             ):
-                self.draw_one(figure, data, **how)
-
-    def draw_one(self, *args: Any, **kwargs: Any) -> None:
-        """Draw one figure.
-
-        An application takes the empty figure, the dataset, and what `figures` says of it by name.
-        """
-        raise NotImplementedError
+                draw(figure, data, **how)

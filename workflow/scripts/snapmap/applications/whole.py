@@ -7,7 +7,6 @@ from ..config.document import Core
 from ..config.doubts import doubts_of_core
 from ..config.study import Caught, Config, convert, unit_of_C
 from ..files.named import hold_to_plan
-from ..solver.options import Chosen
 from ..values.records import read, row_of_kinds
 from . import attached, gather, merge
 
@@ -24,18 +23,8 @@ def load_config(document: Mapping) -> Config:
         asked = replace(study, requests=requests)
         arguments = getattr(parts, name, None), asked, parts
         requests = {**requests, name: faults.catch((name,), application.request, *arguments)}
-        if requests[name] and not _follows_laws(name, study.model):
-            faults.append(f"{name}: does not work with model.laws; leave one of them out")
     faults.refuse()
     return replace(study, requests=requests)
-
-
-def _follows_laws(name: str, chosen: Chosen) -> bool:
-    """Tell whether an application can follow a model, which may have a user's own laws.
-
-    The three laws of a switch are those of the device's own forces.
-    """
-    return not chosen.laws or name != "laws"
 
 
 def planned_study(document: Mapping, threads: int) -> Config:

@@ -11,12 +11,21 @@ from ..files.text import describe
 from ..solver.options import Model
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
 from ..study.arguments import AxesOfDevice
-from ..study.axes import COORDINATES, KIND_OF, one_time
+from ..study.axes import COORDINATES, KIND_OF
+from ..values.arguments import one_time
 from ..values.kinds import Several, Word, kind_of
-from ..values.quantities import Amplitudes, Dampers, Frequencies, PulseTimes, Refinement, Truth
+from ..values.quantities import (
+    Amplitudes,
+    Dampers,
+    Frequencies,
+    PulseTimes,
+    Refinement,
+    Title,
+    Truth,
+)
 from ..values.records import record
 from .devices import DeviceSection
-from .kinds import PATH, Title
+from .kinds import PATH
 from .points import read_points
 from .shocks import TIMED, PulseSection
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..beam.cosines import buckling_shapes
 from ..beam.equilibria import find_barrier, second_shape, shapes_of
-from ..device.device import Beam, Device, is_bistable
+from ..beam.modal import natural_frequency
+from ..device.device import Beam, Device
 from ..files.text import plain
 from ..solver.settings import FIRST
 from .plausible import implausible, unusual_runs
 from .points import read_points
-from .vibrations import vibrations
 
 if TYPE_CHECKING:
     from ..pulse.shocks import Shocks
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 IDLE = "has no effect; write device.modulus_slope, expansion_mismatch or damper_exponent"
 HARDLY = 0.05
 """Barrier of the way back over that of the way there below which a device is hardly bistable."""
-LESS = np.linspace(0.8, 1, 1001)
-"""Shares of the rise of which the least with a second stable shape is told."""
 TILTING = 8
 """Number of shapes of each kind that decide whether a free beam has a second stable shape."""
 
@@ -87,17 +85,8 @@ def barely(device: Device) -> str:
     beam, shapes = device.beam, shapes_of(device.beam)
     there = find_barrier(beam, shapes).energy
     back = there - float(second_shape(beam, shapes).energy)
-    if not 0 < back < HARDLY * there:
-        return ""
     words = f"hardly bistable: the barrier of the way back is {back:.3g} pJ of {there:.3g} pJ there"
-    exists = is_bistable(device, {"rise": beam.rise * LESS}, LESS.size)
-    if not exists[0]:
-        least = LESS[exists].min()
-        words += (
-            f"; rise/thickness = {plain(beam.rise / beam.thickness)} is near "
-            f"{plain(least * beam.rise / beam.thickness, 3)}, below which there is no second shape"
-        )
-    return words
+    return words if 0 < back < HARDLY * there else ""
 
 
 def tilting(beam: Beam) -> str:
@@ -112,8 +101,6 @@ def tilting(beam: Beam) -> str:
 
 def stopped(device: Device) -> str:
     """Warn, in one line or an empty one, of a stop that leaves the mass too little room."""
-    if not device.has_stops:
-        return ""
     travel = device.stop_toward
     barrier = find_barrier(device.beam, shapes_of(device.beam))
     needed = float(device.gap - barrier.midpoint) if barrier.energy > 0 else 0.0
@@ -138,3 +125,33 @@ def outside(own_points: tuple, axes: Mapping[str, np.ndarray]) -> list[str]:
                 place = f"{key} = {value:g}, maps from {low:g} to {high:g}"
                 lines.append(f"{name} is outside every map: {place}")
     return lines
+
+
+def vibrations(device: Device, C: Sequence[float] | None) -> list[list[str]]:
+    """Give name, frequency and quality factor of the beam, and of the mass if the device has one.
+
+    device: a single device; C: damping of the mass, uN us/um, None under a user's own laws
+    """
+    omega, damping = float(natural_frequency(device.beam)), float(device.beam.damping)
+    rows = [["beam", _frequency(omega), _quality(omega, damping)]]
+    if not device.is_alone:
+        omega = float(device.mass_frequency)
+        words = "not known under model.laws" if C is None else _damped(omega, float(device.mass), C)
+        rows.append(["mass", _frequency(omega), words])
+    return rows
+
+
+def _damped(omega, mass, C):
+    """Write the quality factor of the mass at the least and the largest C."""
+    ends = dict.fromkeys((np.min(C), np.max(C)))
+    rates = (f"{_quality(omega, end / mass)} at C = {plain(end)}" for end in ends)
+    return f"{' to '.join(rates)} uN*us/um (critical: {plain(2 * mass * omega)})"
+
+
+def _frequency(omega):
+    return f"{plain(1e3 * omega / (2 * np.pi))} kHz"
+
+
+def _quality(omega, rate):
+    """Write the quality factor under a drag per mass of -rate v: omega/rate."""
+    return f"{plain(omega / rate)}" if rate else "infinite"

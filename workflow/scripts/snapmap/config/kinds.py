@@ -1,18 +1,14 @@
-"""Kinds of text in a config: titles, paths, and amplitudes of a shape."""
+"""Kinds of text in a config: paths, and amplitudes of a shape."""
 
 from typing import Annotated
 
 from ..device.curved_beam import COSINES
 from ..files.named import inside
-from ..files.text import is_title
 from ..values.kinds import JSON_TEXT, Fitting, Items, kind_of
 from ..values.quantities import Part
 
 MOST = len(COSINES) + 1
 """Most amplitudes of a shape."""
-_LINE = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
-_SIGNS = {"type": "string", "maxLength": 60}
-Title = Annotated[str, Fitting(_LINE, is_title, json=_SIGNS)]
 
 
 def _is_path(value):

@@ -5,10 +5,8 @@ from dataclasses import KW_ONLY, fields
 from typing import Annotated, Literal
 
 from ..files.named import sha256_of
-from ..pulse.pulse import DIRECTIONS, SHAPES, SHARES, Form, ShapeName
-from ..pulse.recorded import RECORD
-from ..pulse.shocks import MAKERS, Shocks, make_shocks
-from ..pulse.trains import Blow, Drop
+from ..pulse.pulse import DIRECTIONS, RECORD, SHAPES, SHARES, Form, ShapeName
+from ..pulse.shocks import MAKERS, Blow, Drop, Shocks, make_shocks
 from ..values.faults import at_key
 from ..values.kinds import Fitting, kind_of
 from ..values.records import record, told

@@ -18,9 +18,8 @@ from ..study.study import Study
 from ..values.faults import Faults, line_at
 from ..values.kinds import kind_of
 from ..values.units import OF_DAMPER, spelling_of
-from .devices import nominal
+from .devices import PROFILE, nominal
 from .document import Core
-from .measured_shape import PROFILE
 from .views import View, choose_curves, choose_maps, read_places
 
 AXES = *VALUES, *SHOCK_AXES

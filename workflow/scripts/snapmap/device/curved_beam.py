@@ -11,13 +11,12 @@ from typing import Annotated
 import numpy as np
 
 from ..values import quantities
-from ..values.fields import hints
-from ..values.kinds import Fitting, Number, kind_of
+from ..values.kinds import Fitting, Number
 from ..values.records import record
 from ..values.units import plain_numbers
 from .arch import Equilibria, equilibria, least_residual
 from .shape import BISTABILITY_LIMIT, TERMS, TILT, coefficients, midpoint, modes_of
-from .usual import require, warn_of_si
+from .usual import require
 
 THINNEST = 1e6
 """Largest rise over thickness: beyond it a float cannot hold bending beside stretch."""
@@ -98,7 +97,6 @@ class Beam:
         Q = np.divide(self.rise, self.thickness)
         thin = "thickness: {:g} um gives Q = rise/thickness = {:.6g}; write one that gives Q up to "
         require(np.less_equal(Q, THINNEST), f"{thin}{THINNEST:g}", self.thickness, Q)
-        warn_of_si("beam: ", "span", vars(self), BEAM_UNITS)
 
     def require_second_shape(self) -> None:
         """Raise ValueError if the beam, or one of a batch, has no second stable shape."""
@@ -240,6 +238,5 @@ class Beam:
 
 
 BEAM_VALUES = tuple(field.name for field in fields(Beam))
-BEAM_UNITS = {key: kind_of(hint).unit for key, hint in hints(Beam).items() if key != "free"}
 COSINES = tuple(key for key in BEAM_VALUES if key.startswith("cosine_"))
 """Names of the amplitudes of cosines 2, 3, ... of the shape as made."""

@@ -10,12 +10,11 @@ from dataclasses import asdict
 import numpy as np
 
 from ..values import quantities
-from ..values.fields import hints
 from ..values.kinds import Number, Quantity, kind_of
-from ..values.records import assemble, record
+from ..values.records import assemble, hints, record
 from ..values.units import plain_numbers
 from .curved_beam import BEAM_VALUES, Beam
-from .usual import require, warn_of_si
+from .usual import require
 
 # ASSUME: silicon strikes silicon, unless a config says otherwise.
 RESTITUTION = 0.5
@@ -95,8 +94,6 @@ class Device:
 
     def __post_init__(self):
         """Complete what follows from other values; ValueError if some do not fit each other."""
-        if not np.any(self.force):  # under which gravity has no effect
-            warn_of_si("", "gravity", vars(self), UNITS)
         alone = np.equal(self.mass, 0)
         if np.all(alone):
             far = np.full(alone.shape, math.inf) if alone.ndim else math.inf
@@ -212,7 +209,6 @@ def is_none(mass: object) -> bool:
 _KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}
 KINDS = {key: kind for key, kind in _KINDS.items() if isinstance(kind, Quantity)}
 """Kind of each number of a device, by name."""
-UNITS = {key: kind.unit for key, kind in KINDS.items()}
 FIXED = {
     *("gravity", "force", "reference_temperature", "modulus_slope", "expansion_mismatch"),
     *("damper_exponent", "strength", "strength_modulus", "strength_threshold", "contact_at"),

@@ -1,8 +1,5 @@
 """Usual values of a device, and warnings of values beyond them, as after a slip of a unit."""
 
-import warnings
-from collections.abc import Mapping
-
 import numpy as np
 
 USUAL = {
@@ -23,28 +20,6 @@ USUAL = {
     "gravity": (1e-7, 1e-3),
 }
 """Ranges, in internal units, beyond which a value is probably a slip."""
-IN_SI = {"um": 1e6, "MPa": 1e-6, "ng/um^3": 1e-6, "um/us^2": 1e-6}
-"""Internal units of which SI numbers are told, with SI's unit in them."""
-LENGTHS = 0.01, 1e6
-"""Usual lengths, um."""
-
-
-def warn_of_si(section: str, sign: str, values: Mapping[str, object], units: Mapping) -> None:
-    """Warn, in one line, if the number of a section's `sign` would be usual in SI only.
-
-    values: numbers by name; arrays are left out, as their devices have been made before
-    units: internal units by name
-    """
-    alike = {}
-    for name in values.keys() & units.keys():
-        value, unit = values[name], units[name]
-        low, high = LENGTHS if unit == "um" else USUAL.get(name, (-np.inf, np.inf))
-        if type(value) in (int, float) and unit in IN_SI and not low <= value <= high:
-            alike |= {name: unit} if low <= value * IN_SI[unit] <= high else {}
-    if sign in alike:
-        words = ", ".join(f"{name} = {values[name]:g} {alike[name]}" for name in sorted(alike))
-        line = f"device.{section}{words}: is this SI? numbers are in um, ng, us, and hence MPa"
-        warnings.warn(line, stacklevel=5)
 
 
 def require(holds: np.ndarray, complaint: str, *values: np.ndarray) -> None:

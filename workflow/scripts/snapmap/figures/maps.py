@@ -21,8 +21,8 @@ from . import captions, plane, states, style
 from .curves import LONG, draw_band, draw_impulsive, draw_static
 from .scales import LABELS, place_text, scale_of, tick
 
-RATIO = 0.72
-"""Height over width of the axes of a map."""
+ROW, BESIDE = 1.5, 0.9
+"""Height of a row of maps over its width in four, and that of captions, in."""
 MOST_COLUMNS = 4
 """Most maps side by side, and most below each other where axes have rows and columns."""
 
@@ -224,8 +224,9 @@ def draw_maps(
     Sets the height of the figure. Returns the axes, (rows, columns), None where there is no map.
     """
     panels, columns = _in_columns(panels)
-    figure.set_figheight(3 * (1 - (-len(panels) // columns)))
-    axes = figure.subplots(-(-len(panels) // columns), columns, squeeze=False)
+    rows = -(-len(panels) // columns)
+    figure.set_figheight(BESIDE + rows * ROW * MOST_COLUMNS / columns)
+    axes = figure.subplots(rows, columns, squeeze=False)
     first, *others = cells = [cells for cells, *_ in panels]
     look, shown = _time_look(cells) if shows == "times" else {}, states.SHOWN[shows]
     fields, names = [], {}
@@ -239,14 +240,15 @@ def draw_maps(
         field, named = _fill_map(ax, panels[place], x, y, own_points, shown, look)
         fields, names = [*fields, field], names | named
         ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
-        beside = figure.supylabel(ax.get_ylabel(), size="medium")
-        ax.set_ylabel("")
-        ax.tick_params(axis="y", labelleft=place % columns == 0)
+        if place % columns:
+            ax.set_ylabel("")
+            ax.tick_params(axis="y", labelleft=False)
         if place + columns < len(panels):
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)
         if place >= columns:
-            _remove_durations(ax)
+            for top in list(ax.child_axes):
+                top.remove()
     words = place_text(first.drop_vars({*first.coords} - {*shared}), captions.PAGE)
     words = [words, captions.case(first.attrs), _numbered(names, captions.PAGE)]
     drawn = axes.flat[: len(panels)]
@@ -257,8 +259,6 @@ def draw_maps(
         keys = [key for key in keys if key not in limits[1:]]
     style.legend(figure, keys, "\n".join(filter(None, words)))
     _add_time_bar(figure, drawn, next(filter(None, fields), None), look)
-    style.fit(figure, RATIO)
-    beside.set_y((drawn[0].get_position().y1 + drawn[-1].get_position().y0) / 2)
     return axes
 
 
@@ -280,11 +280,6 @@ def _in_columns(panels):
     order = list(dict.fromkeys(values[across]))
     turn = sorted(range(len(panels)), key=lambda i: order.index(values[across][i]))
     return [panels[i] for i in np.reshape(turn, (len(order), -1)).T.flat], len(order)
-
-
-def _remove_durations(ax):
-    for top in list(ax.child_axes):
-        top.remove()
 
 
 def _fill_map(ax, panel, x, y, own_points, shown, look=None):

@@ -195,27 +195,6 @@ def fit_labels(ax: Axes) -> None:
             axis.label.set_text("\n".join(textwrap.fill(line, most) for line in lines))
 
 
-def fit(figure: Figure, ratio: float) -> None:
-    """Lay a figure out, and set its height so that axes, all alike, are `ratio` as high as wide.
-
-    Colour bars must lie below the axes.
-    """
-    lay_out(figure)
-    rows = figure.axes[0].get_subplotspec().get_gridspec().nrows
-    places = {ax: ax.get_position(original=True) for ax in figure.axes}
-    width, height = places[figure.axes[0]].size * figure.get_size_inches()
-    before, growth = figure.get_figheight(), ratio * width - height
-    after = before + rows * growth
-    figure.set_figheight(after)
-    for ax, place in places.items():
-        spec = ax.get_subplotspec()
-        y0, y1 = place.y0 * before, place.y1 * before
-        if spec:
-            y0 += (rows - spec.rowspan.stop) * growth
-            y1 += (rows - spec.rowspan.start) * growth
-        ax.set_position([place.x0, y0 / after, place.width, (y1 - y0) / after])
-
-
 def lay_out(figure: Figure) -> None:
     """Lay a figure out, once: what is drawn from now on finds the layout as it is."""
     if engine := figure.get_layout_engine():

@@ -4,7 +4,7 @@ import fcntl
 import mmap
 import os
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from hashlib import blake2b
 from pathlib import Path
@@ -94,17 +94,6 @@ def hold(path: str | Path) -> str:
 def _lock(path):
     file = os.open(path, os.O_CREAT | os.O_WRONLY)  # stays open
     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-def refuse_others(folder: str | Path, endings: Sequence[str]) -> None:
-    """Raise ValueError, one line, unless a folder is one, and names with the endings are files."""
-    folder = Path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise ValueError(f"{folder}: is a file, where a folder belongs; remove it")
-    for path in folder.rglob("*.*"):
-        if path.suffix in endings and path.exists() and not path.is_file():
-            what = "a folder" if path.is_dir() else "no file"
-            raise ValueError(f"{path}: is {what}, where a file belongs; remove it")
 
 
 def remove_leftovers(folder: str | Path) -> None:

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import RLock
 
-_listeners: list[Callable[[int], object]] = []
+_listeners: list[Callable[[float], object]] = []
 
 
-def count(cells: int) -> None:
-    """Report that so many more cells have been followed."""
+def count(cells: float) -> None:
+    """Report that so many more cells have been followed; a share of one of a long run."""
     for listen in _listeners:
         listen(cells)
 
@@ -32,7 +32,11 @@ def counting(what: str, **options) -> Iterator[None]:
         _lock = RLock()  # between threads: tqdm's own, between processes, outlives a job's os._exit
         monitor_interval = 0  # no thread, which would not outlive a fork
 
-    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None, "miniters": 1}
+        @property
+        def format_dict(self):
+            return super().format_dict | {"n": round(self.n, 2)}
+
+    usual = {"unit": " cells", "delay": 2.0, "leave": False, "disable": None, "miniters": 0}
     with Line(desc=what, **usual | options) as line:
         _listeners.append(line.update)
         try:

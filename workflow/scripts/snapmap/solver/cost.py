@@ -13,6 +13,8 @@ MOST_SECONDS = 3.6e7
 """Longest time, s, 10 000 core hours; more is refused as a slip."""
 WORTH_SAYING = 30.0
 """Time, s, above which a forecast is reported."""
+OF_THRESHOLD = 700
+"""Runs, each as long as the mean run of a cell to its horizon, that a threshold takes."""
 JUMPS, DIES = 7.0, 46.0
 """Time in which a ring decays so far that a run may jump over a wait, and least sum of this time
 and the wait, over the time in which its energy falls to 1/e."""

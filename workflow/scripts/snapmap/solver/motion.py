@@ -5,7 +5,6 @@ import numpy as np
 from ..beam.basis import PLACES
 from ..beam.stress import stress_of
 from ..device.device import Device
-from ..files.counting import count
 from .adaptive import choose_model
 from .cells import Cells
 from .models import Follows, Model, deciders
@@ -51,7 +50,6 @@ def follow_stress(model: Model, cells: Cells, window: np.ndarray, settings: Run)
             step = first + np.arange(len(seen))[:, np.newaxis]
             most = np.where(step < steps[these], seen, -np.inf).max(axis=0)
             stress[these] = np.maximum(stress[these], most)
-        count(these.size)
 
     in_lanes(follow, steps, settings.threads)
     return stress

@@ -6,10 +6,9 @@ from typing import Annotated, Literal
 from ..files.text import describe, show
 from ..values.arguments import Reading, nearest
 from ..values.faults import Faults
-from ..values.fields import hints
 from ..values.kinds import Kind
 from ..values.quantities import Count, Fraction, Modes
-from ..values.records import build, record, told
+from ..values.records import build, hints, record, told
 from ..values.units import OF_DAMPER
 from .laws import UNIT, UserLaws
 

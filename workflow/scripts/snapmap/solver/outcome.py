@@ -1,7 +1,5 @@
 """Outcomes, the labels of cells, from observations; and differences between two runs."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from .cells import Observations
@@ -53,23 +51,6 @@ def side_at_end(observed: Observations, tolerance: float) -> np.ndarray:
     """
     known = (observed.energy_error <= tolerance) & ~(observed.well_share < WHOLE_SWING)
     return np.where(known, observed.well, 0)
-
-
-def shares(counts: Mapping[str, int]) -> dict[str, float]:
-    """Return the shares of settled, open and failed cells among those that are not `absent`.
-
-    counts: cells by outcome, as `count` returns them
-    """
-    total = max(1, sum(counts.values()) - counts.get("absent", 0))
-    groups = {
-        "settled": ("never", "latched", "returned"),
-        "open": ("unsnapped", "snapped"),
-        "failed": ("failed",),
-    }
-    return {
-        f"share_{group}": round(sum(counts.get(name, 0) for name in names) / total, 6)
-        for group, names in groups.items()
-    }
 
 
 def work_error(observed: Observations, again: Observations) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..files.counting import count
 from ..pulse.pulse import table
 from .cells import Cells, no_observations
 from .coefficients import coefficients
@@ -95,13 +96,16 @@ def in_windows(
     steps: number of steps of each cell, after which its lane goes on beside longer ones, (cells,)
     keep: a call of a recorder for a number of steps; jumps: whether windows leave out quiet time
     """
-    while (left := (steps - lanes.state.steps[: steps.size]).max()) > 0:
+    left = most = steps.max()
+    while left > 0:
         first = lanes.state.steps[: steps.size].copy()
         kept = keep(min(WINDOW, BLOCK * -(-left // BLOCK)))
         raise_error(model.laws, lanes.laws)
         yield first, kept
         if jumps:
             leap(lanes.work, lanes.shape, lanes.state, lanes.pulses)
+        before, left = left, max(0, (steps - lanes.state.steps[: steps.size]).max())
+        count(steps.size * float(before - left) / float(most))
 
 
 def watch(

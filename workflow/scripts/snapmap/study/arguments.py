@@ -5,6 +5,7 @@ from typing import Annotated
 
 from ..device.device import VALUES, Device
 from ..values.kinds import Fitting, Items, Several, kind_of
+from ..values.quantities import Value
 from ..values.records import ByKeys, row_of_kinds
 from .axes import KIND_OF
 from .shock import Requirement
@@ -42,4 +43,4 @@ _AXES = 'a mapping of values of the device, such as {"thickness": [1.9, 2.0]}'
 _NO_AXIS = "is not a value of the device that can vary"
 _VALUES = ByKeys(AxesOfDevice, _AXES, _NO_AXIS)
 Axes = Annotated[Mapping[str, float | str | Sequence], _VALUES]
-Requirements = Annotated[Sequence[Mapping], Items(kind_of(Requirement))]
+Requirements = Annotated[Value, Items(kind_of(Requirement))]

@@ -80,15 +80,6 @@ def frequencies(f0: Any, duration: Any) -> Any:
     return frequency_of(duration)
 
 
-def one_time(written: Mapping, lasts_itself: bool = False) -> dict[str, str]:
-    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
-    if "f0" in written and "duration" in written:
-        return {"duration": "excludes f0, which is 1/duration; write one of them"}
-    if "f0" in written or "duration" in written or lasts_itself:
-        return {}
-    return {"f0": "missing; write f0 or duration"}
-
-
 class Grid(NamedTuple):
     """All points of a study's axes.
 

@@ -27,7 +27,7 @@ def _draws(path):
     """Tell whether a file of the package draws, and makes no numbers."""
     parts = path.relative_to(_PACKAGE).parts
     room, name = parts[0], parts[-1]
-    drawing = name in ("figure.py", "forms.py") or path.suffix not in (".py", ".csv")
+    drawing = name == "figure.py" or path.suffix not in (".py", ".csv")
     return room == "figures" or (room == "applications" and drawing)
 
 
@@ -108,7 +108,7 @@ def _written(values):
 @cache
 def code_version() -> str:
     """Give the version, such as `0.3.0+1a2b3c4.dirty sources 5d6e7f8a9b0c`; git adds the commit."""
-    commit = _commit()
+    commit = _git("describe", "--always", "--dirty=.dirty", "--abbrev=7")
     number = f"{__version__}+{commit}" if commit else __version__
     return f"{number} sources {code_hash(*NUMBERS, *DRAWS)}"
 
@@ -148,10 +148,6 @@ def config_hash(document: Mapping) -> str:
 def code_date() -> str:
     """Give the day of the commit, such as `2026-11-28`; empty without git."""
     return _git("log", "-1", "--format=%cs")
-
-
-def _commit():
-    return _git("describe", "--always", "--dirty=.dirty", "--abbrev=7")
 
 
 def _git(*words):

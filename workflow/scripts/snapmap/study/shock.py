@@ -1,18 +1,21 @@
 """A shock under which a device must, or must not, snap."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import KW_ONLY, dataclass
+from typing import Annotated, TypeVar
 
 from ..numerics.statistics import CONFIDENCE
 from ..pulse.shocks import Directions, Pulses, Shocks
 from ..solver.settings import FIRST, STARTS
-from ..values.kinds import Word
-from ..values.quantities import Frequency, Positive, PulseTime, Share, Truth
+from ..values.arguments import Reading, one_time
+from ..values.kinds import Kind, Word, kind_of
+from ..values.quantities import Frequency, Positive, PulseTime, Share, Title
 from ..values.records import record
-from .axes import frequency_of, one_time
+from .axes import frequency_of
 from .study import ANY, ARRIVES, Study
 
+# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
+SURVIVES = 0.999
 Start = Annotated[str, Word(STARTS)]
 Snaps = Annotated[bool | str, Word((True, False, ARRIVES, ANY))]
 SnapsOrArrives = Annotated[bool | str, Word((True, False, ARRIVES))]
@@ -43,54 +46,91 @@ class Shock:
         return study.but(start=self.start).under(self.shocks)
 
 
+class SurvivesKind(Kind):
+    """True, false or a share: whether, or how probably, the beam must not break."""
+
+    need = "true, false or a share such as 99.99 %"
+
+    def convert(self, value: object, reading: Reading) -> float:
+        """Give the least probability with which the beam must not break; 0 if it may."""
+        if isinstance(value, bool):
+            return SURVIVES * value
+        return kind_of(Share).convert(value, reading)
+
+    def write(self, value: float) -> object:
+        """Write a share."""
+        return kind_of(Share).write(value)
+
+    def schema(self) -> dict:
+        """Describe the choice."""
+        return {"anyOf": [{"type": "boolean"}, kind_of(Share).schema()]}
+
+
+Made = TypeVar("Made", bound=Shock)
+
+
 @record
-class Requirement:
+class Demand:
+    """What a required shock demands, in Python and in a config."""
+
+    _: KW_ONLY
+    name: Title
+    """unique name"""
+    N: Positive | None = None
+    """peak of the shock over gravity; required, except for a drop"""
+    snaps: Snaps
+    """whether the device must trip and stay tripped; `arrives`: it must reach its other shape, if
+    only for a moment; `any`: either is right"""
+    survives: Annotated[float, SurvivesKind()] = SURVIVES
+    """least probability that the beam does not break; true is 99.9 %, false is 0"""
+    share: Share | None = None
+    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %"""
+    confidence: Share = CONFIDENCE
+    """confidence that the share must be known with"""
+    f0: Frequency | None = None
+    """1/duration of the shock; required, or `duration`, or a shock with its own"""
+    duration: PulseTime | None = None
+    """duration of the shock; replaces f0"""
+    start: Start | None = None
+    """shape in which the beam rests at first; the first if left out"""
+
+    def shock(self, made: type[Made], shocks: Shocks, peak: float, start: str = FIRST) -> Made:
+        """Make a required shock; peak, start: N and start that count if none is written."""
+        f0 = self.f0 if self.duration is None else frequency_of(self.duration)
+        return made(
+            name=self.name,
+            N=self.N or peak,
+            f0=f0 or shocks.own_frequency(),
+            shocks=shocks,
+            snaps=self.snaps,
+            survives=self.survives,
+            start=self.start or start,
+            share=self.share or 0.0,
+            confidence=self.confidence,
+        )
+
+
+@record
+class Requirement(Demand):
     """a shock under which the device must, or must not, snap."""
 
-    name: str
-    """unique name"""
-    N: Positive
-    """peak of the shock over gravity"""
-    snaps: Snaps
-    """whether the device must trip and stay tripped; `arrives`, `any`: as in a config"""
-    f0: Frequency | None = None
-    """1/duration of the shock, Hz"""
-    duration: PulseTime | None = None
-    """duration of the shock, us; replaces f0"""
     pulse: Pulses | None = None
     """the shock; that of the study if left out"""
     direction: Directions | None = None
     """direction of the frame; that of the study if left out"""
-    start: Start | None = None
-    """shape in which the beam rests at first"""
-    survives: Truth = True
-    """whether the beam must not break"""
-    share: Share | None = None
-    """least share of devices that must meet it"""
-    confidence: Share = CONFIDENCE
-    """how sure that share must be"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
-        """Find f0 and duration missing, or beside each other."""
-        return one_time(written)
+        """Find N missing, and f0 and duration missing, or beside each other."""
+        needs = {} if "N" in written else {"N": f"missing; write {kind_of(Positive).need}"}
+        return needs | one_time(written)
 
-
-def take_shock(asked: Requirement, shocks: Shocks, start: str = FIRST) -> Shock:
-    """Take a requirement, by default with shocks and start of its study."""
-    if asked.pulse is None and any(pulse.duration for pulse in shocks.shapes.values()):
-        raise ValueError(
-            f"requirements: {asked.name}: pulse: missing, as the study's pulse sets its own "
-            "duration; write a shape such as 'half sine'"
-        )
-    return Shock(
-        name=asked.name,
-        N=asked.N,
-        f0=asked.f0 or frequency_of(asked.duration),
-        shocks=Shocks(asked.pulse or shocks.pulse, asked.direction or shocks.direction),
-        snaps=asked.snaps,
-        survives=float(asked.survives),
-        start=asked.start or start,
-        share=asked.share or 0.0,
-        confidence=asked.confidence,
-    )
+    def under(self, shocks: Shocks, start: str = FIRST) -> Shock:
+        """Make the shock, by default with shocks and start of its study."""
+        if self.pulse is None and any(pulse.duration for pulse in shocks.shapes.values()):
+            raise ValueError(
+                f"requirements: {self.name}: pulse: missing, as the study's pulse sets its own "
+                "duration; write a shape such as 'half sine'"
+            )
+        own = Shocks(self.pulse or shocks.pulse, self.direction or shocks.direction)
+        return self.shock(Shock, own, 0.0, start)

@@ -1,9 +1,9 @@
-"""A slab of the grid, the work of one job: its name, its file, and how it is followed."""
+"""A slab of the grid, the work of one job: its name, its file, and how its rows are followed."""
 
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from functools import lru_cache
@@ -13,13 +13,76 @@ import netCDF4
 import numpy as np
 
 from ..files.atomic import is_whole, replacing, seal
+from ..pulse.pulse import blow_at
 from ..solver.adaptive import choose_model
+from ..solver.cells import Rows
+from ..solver.models import Follows
 from ..solver.options import section_of
-from ..solver.outcome import count
+from ..solver.outcome import ABSENT, FAILED, REPEATED_STEP, count, label, t_snap_error, work_error
+from ..solver.settings import FIRST, Run
 from ..study.axes import DEVICE, NAMES, SHAPE, rows_of, shared_points
 from ..study.provenance import versions
 from ..study.study import Study
-from .grid import Observers, follow_rows
+
+Observers = Sequence[Callable]
+"""Functions of model, cells, observations and settings that give further variables by name."""
+ABSENCE = {
+    "outcome": ABSENT,
+    **dict.fromkeys(("well", "halvings", "level", "blow"), 0),
+    **dict.fromkeys(("agreed", "reproduced", "well_reproduced"), 1),
+}
+"""Values of variables where there is no device; NaN for all others."""
+
+
+def follow_rows(
+    model: Follows, rows: Rows, N: Sequence[float], settings: Run, observers: Observers = ()
+) -> dict[str, np.ndarray]:
+    """Follow rows of cells through all N; returns the variables of a cube by name, (rows, N)."""
+    exists, N = rows.device >= 0, np.asarray(N)
+    order = np.argsort(N, kind="stable")
+    cells = rows.take(exists).cells(model.device, N[order], settings.horizon)
+    first = model.follow(cells, settings)
+    variables = _variables(first, settings)
+    if settings.repeats:
+        again = model.with_step(REPEATED_STEP).follow(cells, settings)
+        variables |= _repeated(variables, _variables(again, settings))
+        for compare in (work_error, t_snap_error):
+            variables[compare.__name__] = compare(first, again).astype(np.float32)
+    for observe in observers:
+        variables |= observe(model, cells, first, settings)
+    if any(pulse.blows.size for pulse in rows.pulses):
+        variables["blow"] = blow_at(rows.pulses, cells.pulse, first.t_snap * cells.f0)
+    for key, values in variables.items():
+        variables[key] = np.full((exists.size, N.size), ABSENCE.get(key, np.nan), values.dtype)
+        variables[key][np.ix_(exists, order)] = values
+    return variables
+
+
+def _variables(runs, settings):
+    """Give the variables of cells, by name, that one run of each determines."""
+    names = "t_snap", "t_settled", "energy_error", "pulse_work", "halvings", "level", "agreed"
+    variables = {"outcome": label(runs, settings.energy_tolerance)}
+    variables |= {name: getattr(runs, name) for name in names}
+    variables["pulse_work"] = runs.pulse_work.astype(np.float32)
+    if settings.until == "settled":
+        failed = variables["outcome"] == FAILED
+        well = runs.well if settings.start == FIRST else np.where(runs.well, 3 - runs.well, 0)
+        variables["well"] = np.where(failed, 0, well).astype(np.int8)
+        variables["well_share"] = np.where(failed, np.nan, runs.well_share).astype(np.float32)
+    return {key: values for key, values in variables.items() if values is not None}
+
+
+def _repeated(first, again):
+    """Compare two runs of cells; returns variables that tell where they agree."""
+    same = again["outcome"] == first["outcome"]
+    variables = {"reproduced": same.astype(np.int8)}
+    if "well" in first:
+        snapped = [np.isfinite(run["t_snap"]) for run in (first, again)]
+        # Where a run tells no well, its label is compared.
+        same = (again["well"] == first["well"]) & ((first["well"] != 0) | np.equal(*snapped))
+        variables["well_reproduced"] = same.astype(np.int8)
+    return variables
+
 
 REMEDY = "remove it, and the next run makes it again"
 Slab = Mapping[str, tuple]

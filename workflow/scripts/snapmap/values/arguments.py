@@ -7,7 +7,7 @@ line for each.
 """
 
 import inspect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
@@ -115,3 +115,12 @@ def by_name(
         faults[owner] = f"takes {len(first)} arguments without a name, not {len(positional)}"
     faults |= {key: "comes twice; write it once" for key in values if key in named}
     return values | named, faults
+
+
+def one_time(written: Collection, lasts_itself: bool = False) -> dict[str, str]:
+    """Find f0 and duration beside each other, or neither unless the shock sets its duration."""
+    if "f0" in written and "duration" in written:
+        return {"duration": "excludes f0, which is 1/duration; write one of them"}
+    if "f0" in written or "duration" in written or lasts_itself:
+        return {}
+    return {"f0": "missing; write f0 or duration"}

@@ -398,26 +398,6 @@ class Whole(Kind):
 
 
 @dataclass(frozen=True)
-class Flag(Kind):
-    """True or false."""
-
-    need: str = "True or False"
-    asks: str = "true or false"
-    type = bool
-
-    def convert(self, value: object, reading: Reading) -> bool:
-        """Convert a bool, also of numpy or xarray."""
-        single = getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
-        if not isinstance(value, bool | np.bool_) and not single:
-            raise self.refuse(value, reading)
-        return bool(value)
-
-    def schema(self) -> dict:
-        """Describe true or false."""
-        return {"type": "boolean"}
-
-
-@dataclass(frozen=True)
 class Word(Kind):
     """One of some words, among which may be true and false; called: what a word is, in words."""
 
@@ -426,8 +406,9 @@ class Word(Kind):
 
     @property
     def type(self) -> Any:
-        """Text, or also a flag."""
-        return str if all(isinstance(word, str) for word in self.words) else bool | str
+        """Text, a flag, or both."""
+        types = {type(word) for word in self.words}
+        return types.pop() if len(types) == 1 else bool | str
 
     @property
     def need(self) -> str:
@@ -443,7 +424,8 @@ class Word(Kind):
 
     def convert(self, value: object, reading: Reading) -> str | bool:
         """Take one of the words."""
-        value = bool(value) if isinstance(value, np.bool_) else value
+        is_flag = getattr(value, "ndim", None) == 0 and np.asarray(value).dtype.kind == "b"
+        value = bool(value) if is_flag else value  # of numpy or xarray
         if not isinstance(value, str | bool) or value not in self.words:
             near = nearest(str(value), [word for word in self.words if isinstance(word, str)])
             hint = f"; did you mean {near}?" if near else ""
@@ -452,6 +434,8 @@ class Word(Kind):
 
     def schema(self) -> dict:
         """Describe the words."""
+        if self.type is bool:
+            return {"type": "boolean"}
         return {"enum": [*self.words]} if self.words[1:] else {"const": self.words[0]}
 
 

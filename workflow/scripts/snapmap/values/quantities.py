@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
+from ..files.text import is_title
 from .arguments import Reading
-from .kinds import Fitting, Flag, Number, Quantity, Several, Whole
+from .kinds import Fitting, Number, Quantity, Several, Whole, Word
 from .units import OF_DAMPER
 
 Value = Any
@@ -46,6 +47,9 @@ def _is_there(value):
     return isinstance(value, str | PathLike) and "\0" not in str(value) and exists(value)
 
 
+_LINE = "a line of letters, digits, spaces, .,:()/%+-_, at most 60"
+_SIGNS = {"type": "string", "maxLength": 60}
+Title = Annotated[str, Fitting(_LINE, is_title, json=_SIGNS)]
 ExistingPath = Annotated[str | PathLike, Fitting("the path of a file that is there", _is_there)]
 
 # fmt: off
@@ -94,7 +98,7 @@ Frequencies = Annotated[Value, Several(replace(_F0, is_single=False))]
 Dampers = Annotated[Value, Several(replace(_C, is_single=False))]
 PulseTimes = Annotated[Value, Several(Quantity("a duration", "us", "0.5 ms"))]
 
-Truth = Annotated[bool, Flag()]
+Truth = Annotated[bool, Word((True, False))]
 Count = Annotated[int, Whole(1, 100)]
 Modes = Annotated[int, Whole(1, 200)]
 Threads = Annotated[int, Whole(1, 1024)]

@@ -9,22 +9,126 @@
 section)` reads a section of a config, and `kind_of(Run).schema()` describes it to an editor.
 """
 
+import ast
 import functools
 import inspect
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields
-from typing import Any, TypeVar, dataclass_transform
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from functools import cache
+from itertools import pairwise
+from math import inf
+from textwrap import dedent
+from types import NoneType
+from typing import Any, NamedTuple, TypeVar, dataclass_transform, get_args, get_type_hints
 
 import numpy as np
 
 from ..files.text import show
 from .arguments import PYTHON, Argument, Reading, by_name, convert, lines_of
-from .calls import shown
 from .faults import Faults, WrongCall, line_at, within
-from .fields import Docstring, beside, hints, instead_of, rows, summary
-from .kinds import Kind, argument_of, kind_of
+from .kinds import Kind, Quantity, argument_of, kind_of
+
+
+@cache
+def hints(made: type) -> dict[str, Any]:
+    """Give the annotations of a record's fields."""
+    found = get_type_hints(made, include_extras=True)
+    return {field.name: found[field.name] for field in fields(made)}
+
+
+def beside(made: type, written: Mapping) -> dict[str, str]:
+    """Find values that lack or exclude each other; returns lines by key."""
+    if not hasattr(made, "beside"):
+        return {}
+    return made.beside({key: value for key, value in written.items() if value is not None})
+
+
+def summary(made: type) -> str:
+    """Give the first paragraph of a record's docstring; python -OO has none."""
+    return inspect.cleandoc(vars(made)["__doc__"].text or "").partition("\n\n")[0]
+
+
+@cache
+def sentences(made: type) -> dict[str, str]:
+    """Give the sentence of each field, as the source says it."""
+    found = {}
+    for part in filter(is_dataclass, reversed(made.__mro__)):
+        found |= vars(part).get("sentences") or _written_in(part)
+    return found
+
+
+def _written_in(made):
+    body = ast.parse(dedent(inspect.getsource(made))).body[0].body
+    return {
+        field.target.id: " ".join(said.value.value.split())
+        for field, said in pairwise(body)
+        if isinstance(field, ast.AnnAssign) and isinstance(said, ast.Expr)
+    }
+
+
+class Row(NamedTuple):
+    """A row of a table of keys: what it is, what is right, what holds if it is left out.
+
+    default: as a config has it; None if there is none that a config could have
+    """
+
+    key: str
+    what: str
+    need: str
+    default: object
+    required: bool
+
+
+def rows(made: type) -> Iterator[Row]:
+    """Yield a row for each key of a record."""
+    instead = instead_of(made)
+    for field in fields(made):
+        kind = kind_of(hints(made)[field.name])
+        needed = field.default is MISSING or instead.get(field.name) == []
+        what, default = sentences(made).get(field.name, ""), None
+        if isinstance(field.default, str | int | float) and field.default not in (inf, -inf):
+            default = kind.write(field.default)
+        yield Row(field.name, what, kind.asks, default, needed)
+
+
+def instead_of(made: type) -> dict[str, list[dict]]:
+    """Find, for each key that an empty section misses, what can stand in its place."""
+    written = []
+    for key, hint in hints(made).items():
+        kind = kind_of(hint)
+        words = kind.words if isinstance(kind, Quantity) else ()
+        written.append({key: words[0][0] if words else {}})
+    return {
+        key: [part for part in written if key not in {**part, **beside(made, part)}]
+        for key in beside(made, {})
+    }
+
+
+class Docstring:
+    """The docstring of a record, with its fields as parameters once someone reads it."""
+
+    def __init__(self, text):
+        """Take the text of the class."""
+        self.text = text
+
+    def __get__(self, whole, made):
+        """Write it in the form of numpydoc."""
+        if not self.text:
+            return None
+        text, heading, examples = inspect.cleandoc(self.text).partition("\n\nExamples\n")
+        lines = [text, "", "Parameters", "----------"]
+        told = {row.key: row for row in rows(made)}
+        for key in inspect.signature(made).parameters:
+            default = told[key].default
+            said = "" if default is None else f", default {default}"
+            lines += [f"{key} : {kind_of(hints(made)[key]).need}{said}", f"    {told[key].what}"]
+        return "\n".join(lines) + heading + examples
+
 
 Made = TypeVar("Made")
+FOLDERS = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Z]|ndarray)")
+"""The module before a type's name."""
 
 
 @dataclass_transform(frozen_default=True)
@@ -221,3 +325,29 @@ def row_of_kinds(
     if above:
         body["__doc__"] = vars(above[0])["__doc__"].text
     return record(type(name, above, body))
+
+
+class _Words(str):
+    """Words that a signature shows as they are."""
+
+    __repr__ = str.__str__
+
+
+def shown(signature: inspect.Signature, arguments: Mapping[str, Argument]) -> inspect.Signature:
+    """Give a signature whose types are those that a reader knows."""
+    parameters = [
+        part.replace(annotation=_typed(part.annotation, arguments[key].kind))
+        for key, part in signature.parameters.items()
+    ]
+    returned = _typed(signature.return_annotation, None)
+    return signature.replace(parameters=parameters, return_annotation=returned)
+
+
+def _typed(hint, kind):
+    """Name the type of an annotation."""
+    noted = next((p for p in (hint, *get_args(hint)) if hasattr(p, "__metadata__")), None)
+    if noted:
+        own = noted.__origin__
+        shown = kind.type if own is Any else own
+        hint = shown | None if NoneType in get_args(hint) else shown
+    return _Words(FOLDERS.sub("", inspect.formatannotation(hint)))

@@ -74,8 +74,7 @@ def check(config: Path) -> None:
         from ..config.doubts import descriptions
         from ..config.yaml_file import read_document
     from ..solver.cost import spoken
-    from .cost import amounts, core_seconds
-    from .plan import make_plan
+    from .plan import amounts, core_seconds, make_plan
 
     study = load_config(read_document(config))
     plan = make_plan(study)

@@ -13,8 +13,6 @@ from hashlib import blake2b
 from pathlib import Path
 
 from ..files.atomic import fingerprint, write_text
-from ..files.text import show
-from ..study.provenance import DRAWS, NUMBERS, code_hash
 
 FOLDER, SLABS = "results", "results/slabs/"
 """The folder of results, and that of slabs, which stay, as a grid may grow again."""
@@ -24,9 +22,6 @@ what the file was made from, and that of its content, between tabs."""
 HEAD = "# What runs have made here: of this, and no more, goes what a config no longer asks for."
 SHOWN = 4
 """Most files that a line names."""
-OTHERWISE = "made for other axes, words or requests"
-WHOLE = "cube.nc", "threshold.nc"
-"""Products whose attribute `config` has the whole study."""
 
 
 def hash_of(*sources: object) -> str:
@@ -61,54 +56,14 @@ def find_others(plan: Mapping[str, str]) -> list[str]:
     return [name for name in there if listed.get(name) != (plan[name], fingerprint(name))]
 
 
-def say_why(others: Collection[str], document: Mapping) -> str:
-    """Say in one line that others than a study's files are to be made again, and why.
-
-    document: of the study, as `Study.document` gives it
-    """
-    whole = [f"{FOLDER}/{name}" for name in WHOLE if f"{FOLDER}/{name}" in others]
-    why = next(filter(None, (_differs(name, document) for name in whole)), "")
-    listed = _read()
-    if not why and any(name not in listed for name in others):
+def say_why(others: Collection[str]) -> str:
+    """Say in one line that others than a study's files are to be made again, and why."""
+    listed, why = _read(), "made for another config or by other code"
+    if any(name not in listed for name in others):
         why = f"unknown to {FOLDER}/{LIST}"
-    elif not why and any(listed[name][1] != fingerprint(name) for name in others):
+    elif any(listed[name][1] != fingerprint(name) for name in others):
         why = "changed since"
-    return f"{_names(others)}: to be made again, as not of this study and code ({why or OTHERWISE})"
-
-
-def _differs(name, document):
-    """Say where a product in netCDF differs from a study and the code; "" if it does not tell."""
-    import netCDF4  # imported late: most runs find no others
-
-    with suppress(AttributeError, OSError, RuntimeError, ValueError), netCDF4.Dataset(name) as file:
-        code = file.code_version.endswith(code_hash(*NUMBERS, *DRAWS))
-        return difference(document, file.config) or ("" if code else "other code")
-    return ""
-
-
-def difference(document: Mapping, config: str) -> str:
-    """Say where the attribute `config` of a product differs from a study; "" if nowhere.
-
-    Compared are device, pulse, model, and those settings that the product depends on.
-    """
-    asked, made = json.loads(json.dumps(document, default=str)), json.loads(config)
-    if not made:
-        return "it names none"
-    for key in ("device", "devices", "pulse", "model"):
-        if asked.get(key) != made.get(key):
-            return _differ(key, asked.get(key), made.get(key))
-    for key in asked["run"].keys() & made.get("run", {}).keys():
-        if asked["run"][key] != made["run"][key]:
-            return _differ(f"run.{key}", asked["run"][key], made["run"][key])
-    return ""
-
-
-def _differ(key, asked, made):
-    if isinstance(asked, dict) and isinstance(made, dict):
-        first = next(k for k in {**asked, **made} if asked.get(k) != made.get(k))
-        return _differ(f"{key}.{first}", asked.get(first), made.get(first))
-    words = ("left out" if value is None else show(value).strip("'") for value in (made, asked))
-    return f"{key} is {', not '.join(words)}"
+    return f"{_names(others)}: to be made again, as not of this study and code ({why})"
 
 
 def hold_to_list(files: Iterable[str]) -> None:

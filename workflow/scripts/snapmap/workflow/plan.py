@@ -1,4 +1,4 @@
-"""The plan of a study: the slabs of its grid, and what the job of each may cost."""
+"""The plan of a study: the slabs of its grid, its figures, and what all that may cost."""
 
 import math
 from itertools import product
@@ -6,12 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..applications import gather
+from ..applications import attached, gather, merge
 from ..config.study import Config
+from ..config.views import MAPS
 from ..solver.adaptive import choose_model
 from ..solver.cells import to_cells
-from ..solver.cost import MOST_SECONDS, steps_and_seconds
-from ..study.axes import NAMES
+from ..solver.cost import MOST_SECONDS, OF_THRESHOLD, steps_and_seconds
+from ..study.axes import DIRECTION, NAMES, SHAPE
 from ..sweeps.slabs import Slab, cells_in
 
 JOB_SECONDS = 30
@@ -150,3 +151,88 @@ def _expected(study, settings, f0):
     cells = to_cells(grid.device, *at)
     dt, seconds = steps_and_seconds(built, cells, settings)
     return dt.min(), seconds.mean(axis=1)
+
+
+RUNS = {
+    "cells": 1,
+    "thresholds": OF_THRESHOLD,
+    "thresholds of devices as made": 4,
+    "verdicts": 1500,
+    "histories": 700,
+}
+"""Runs that each takes, each as long as the mean run of a cell to its horizon."""
+START, FIGURE = 2.5, 0.5
+"""Core time of a job's start, and of a figure, s."""
+
+
+def amounts(study: Config) -> dict[str, int]:
+    """Count what a study computes, by the words of RUNS."""
+    cells = math.prod(study.grid.shape)
+    counts = {"cells": cells, "thresholds": cells // study.axes["N"].size}
+    return counts | merge(lambda part: part.counts(study))
+
+
+def core_seconds(study: Config, plan: Plan) -> float:
+    """Estimate the core time of all jobs, s; runs that end early take less."""
+    counts = amounts(study)
+    runs = sum(RUNS[what] * count for what, count in counts.items())
+    products = gather(lambda part: part.outputs(study))
+    figures = sum(map(len, gather(lambda part: part.drawn(study)).values()))
+    jobs = len(plan.slabs) + len(products)
+    return START * jobs + FIGURE * figures + runs * plan.seconds / counts["cells"]
+
+
+WORDS = {"snaps": "snap", "times": "time", "ends": "map"}
+"""Word with which the name of a figure's file begins, by what its maps of cells show."""
+
+
+class Views(NamedTuple):
+    """The figures of cells and thresholds, in plain values.
+
+    maps: figures of cells: `name`, what each `shows` (a key of WORDS), and its views as `panels`
+    fields: maps of thresholds; curves: thresholds over an axis; own_points: as a `Config` has them
+    """
+
+    maps: list[dict]
+    fields: list[dict]
+    curves: list[dict]
+    own_points: list
+
+    @property
+    def stems(self) -> dict[str, list[str]]:
+        """Names of figures by their caption in the report."""
+        snaps = [figure for figure in self.maps if figure["shows"] == "snaps"]
+        others = [figure for figure in self.maps if figure not in snaps]
+        parts = {"snap_maps": snaps + self.fields, "maps": others, "thresholds": self.curves}
+        return {part: [figure["name"] for figure in figures] for part, figures in parts.items()}
+
+
+def choose_views(study: Config) -> Views:
+    """Choose the figures of the cells and thresholds of a study."""
+    of_cells = [_with_shocks(view, study) for view in study.maps if view.is_of_cells]
+    shown = [key for key in WORDS if key != "ends" or study.until == "settled"]
+    maps = []
+    for name in dict.fromkeys(view.name for view in of_cells):
+        panels = [view._asdict() for view in of_cells if view.name == name]
+        of_panels = ({"name": _called(name, WORDS[shows]), "shows": shows} for shows in shown)
+        maps += [figure | {"panels": panels} for figure in of_panels]
+    fields = [view._asdict() for view in study.maps if not view.is_of_cells]
+    curves = [view._asdict() for view in study.curves]
+    return Views(maps, fields, curves, list(study.own_points))
+
+
+def _called(name, word):
+    """Name a figure by the name of its views, with another word in place of `map`."""
+    if word == "map":
+        return name
+    return f"{word}_{name}" if name == MAPS else f"{word}{name.removeprefix('map')}"
+
+
+def _with_shocks(view, study):
+    """Add the required shocks to a map, each with whether it has the pulse of the map's cells."""
+    shape = list(study.shocks.shapes.values())[view.at.get(SHAPE, 0)]
+    direction = study.shocks.directions[view.at.get(DIRECTION, 0)]
+    of_map = shape.section, direction, study.start
+    marks = [mark for part in attached().values() for mark in part.marks(study)]
+    required = [(name, f0, N, of_map in pushed) for name, f0, N, pushed in marks]
+    return view._replace(required_shocks=tuple(required))

@@ -1,7 +1,5 @@
 """The damage boundary: thresholds over the velocity change.  Imports: core alone."""
 
-from typing import Any
-
 from ..application import Application, Config, Figures, Files
 
 
@@ -19,12 +17,6 @@ class Boundary(Application):
 
         views = choose_boundary(study.grid, nominal(study.device))
         return {view.name: {"lines": view.y, "at": view.at} for view in views}
-
-    def draw_one(self, figure: Any, data: Any, lines: str, at: dict[str, int]) -> None:
-        """Draw the damage boundary of each line."""
-        from .figure import draw_damage_boundary
-
-        draw_damage_boundary(figure.subplots(), data.isel(at), lines)
 
 
 application = Boundary()

@@ -1,8 +1,11 @@
 """Thresholds over the velocity change of the pulse, as a damage boundary."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ...figures import curves, plane, scales, style
@@ -14,6 +17,11 @@ APART = 1.7
 """Least ratio of durations whose names do not meet."""
 FAR = 1e9
 """Factor that leads from any point in the axes beyond their edges."""
+
+
+def draw(figure: Figure, thresholds: xr.Dataset, lines: str, at: Mapping[str, int]) -> None:
+    """Draw the damage boundary at a place on all axes but those of f0 and lines."""
+    draw_damage_boundary(figure.subplots(), thresholds.isel(at), lines)
 
 
 def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> Axes:

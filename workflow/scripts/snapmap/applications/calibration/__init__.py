@@ -13,13 +13,13 @@ class Calibration(Application):
 
     def section(self) -> tuple[Any, str]:
         """Shots and unknowns of a config."""
-        from .sections import CalibrationSection
+        from .shots import CalibrationSection
 
         return CalibrationSection, "values estimated from measured shots"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
         """The `Calibration`, or None; ValueError, one line, for an invalid section."""
-        from .sections import read_calibration
+        from .shots import read_calibration
 
         if not section:
             return None
@@ -53,7 +53,7 @@ class Calibration(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Fit the unknowns to the shots."""
-        from ...study.netcdf import write_product
+        from ...study.variables import write_product
         from .dataset import calibration_of, summary
 
         shots, _, unknowns, C = study.requests["calibration"]
@@ -63,12 +63,6 @@ class Calibration(Application):
     def figures(self, study: Config) -> Figures:
         """A figure of all shots."""
         return {"calibration": {}}
-
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw shots over the fitted threshold and its band, by shape and direction."""
-        from .figure import draw_calibration
-
-        draw_calibration(figure, data)
 
 
 application = Calibration()

@@ -21,7 +21,7 @@ ASIDE, WIDEST = 1.01, 1.2
 """Factors on f0 between tripped and other shots, and on the range of an axis beyond its data."""
 
 
-def draw_calibration(figure: FigureBase, data: xr.Dataset) -> None:
+def draw(figure: FigureBase, data: xr.Dataset) -> None:
     """Draw shots over the fitted threshold and its band, a panel for each shape and direction."""
     parts = panels(data)
     axes = figure.subplots(1, len(parts), squeeze=False)[0]

@@ -1,21 +1,24 @@
-"""A table of shots: the shocks of a campaign, and whether the device tripped."""
+"""The section `calibration`: a table of shots, whether each tripped, and the unknowns."""
 
 import math
 from collections.abc import Mapping, Sequence
 from numbers import Number
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ...device.device import Device, is_bistable
-from ...files.named import naming, read_named
+from ...config.kinds import StudyPath
+from ...device.device import VALUES, Device, is_bistable
+from ...files.named import inside, naming, read_named, sha256_of
 from ...files.tables import ANSWERS, ROWS, SHOCKS, read_table, shocks_in
 from ...files.text import show
-from ...pulse.pulse import DIRECTIONS, N_of_g, Pulse
-from ...pulse.recorded import read_pulse
+from ...pulse.pulse import DIRECTIONS, RECORD, N_of_g, Pulse, read_pulse
 from ...pulse.shocks import Shocks, make_shocks
 from ...study.axes import KIND_OF
+from ...values.kinds import Pair
+from ...values.quantities import Damper
+from ...values.records import record, row_of_kinds, told
 from ...values.units import numbers_in, unit_of
 
 SHOTS = {"tripped": ANSWERS, **dict.fromkeys(("direction", "shape", "file"))}
@@ -77,35 +80,29 @@ def shot_columns(table: Mapping[str, Sequence]) -> dict[str, np.ndarray]:
     Returns N, f0 (Hz) and duration (us) above 0, or NaN; tripped as bools; the others as text.
     Shots with a file need no N.
     """
-    columns = {}
+    known, columns = f"columns are {', '.join([*SHOCKS, *SHOTS])}", {}
     for key in table:
-        column = table[key]
+        if key not in SHOCKS | SHOTS:
+            raise ValueError(f"shots: column {show(key)} is unknown; {known}")
+        column, kind = table[key], bool if key == "tripped" else float if key in SHOCKS else object
         if np.ma.is_masked(column):
             column = column.astype(object).filled(np.nan)
         column = _without_units(key, column) if key in SHOCKS else column
-        try:
-            columns[str(key)] = np.asarray(column).ravel()
-        except (ValueError, OverflowError):  # of arrays among numbers
-            raise ValueError(f"shots: {key}: {show(column)} is not a row") from None
-    known = f"columns are {', '.join([*SHOCKS, *SHOTS])}"
-    for key in columns:
-        if key not in SHOCKS | SHOTS:
-            raise ValueError(f"shots: column {show(key)} is unknown; {known}")
+        column = np.array(None if isinstance(column, str) else column, object)
+        if column.ndim != 1:
+            raise ValueError(f"shots: {key}: {show(table[key])} is not a row")
+        columns[key] = np.empty(column.size, kind)
+        for row, value in enumerate(column.tolist()):
+            try:
+                columns[key][row] = _entry(key, value)
+            except ValueError as error:
+                raise ValueError(f"shots, row {row + 1}: {key}: {error}") from None
     for key in ("tripped",) if "file" in columns else ("N", "tripped"):
         if key not in columns:
             raise ValueError(f"shots: column {key} is missing; {known}")
     sizes = {key: values.size for key, values in columns.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"shots: columns differ in length, {sizes}; write a row for each shot")
-    for key, values in columns.items():
-        entries = []
-        for row, value in enumerate(values.tolist(), 1):
-            try:
-                entries.append(_entry(key, value))
-            except ValueError as error:
-                raise ValueError(f"shots, row {row}: {key}: {error}") from None
-        kind = bool if key == "tripped" else float if key in SHOCKS else object
-        columns[key] = np.array(entries, kind)
     return columns
 
 
@@ -235,3 +232,63 @@ def check_ranges(unknowns: Mapping, C: float | None, device: Device) -> None:
                 remedy = "higher" if side == "low" else "lower"
                 where = f"its {side} end, {end:g} {KIND_OF[key].unit}; write a {remedy} one"
                 raise ValueError(f"unknowns: {key}: no second stable shape at {where}")
+
+
+def _range(key):
+    return Annotated[
+        tuple, Pair(KIND_OF[key])
+    ], "range of an unknown, a pair of values; known if left out"
+
+
+@record
+class UnknownsSection(row_of_kinds("Ranges", {key: _range(key) for key in (*VALUES, "C")})):
+    """One to four values of the device, or C, with the range of each."""
+
+
+@record
+class CalibrationSection:
+    """Values estimated from measured shots."""
+
+    shots: StudyPath
+    """a CSV table: N, f0 (Hz) or duration (ms), tripped (yes, no), optionally direction, shape,
+    file (a record)"""
+    unknowns: UnknownsSection
+    """one to four values of the device, or C, with the range of each"""
+    C: Damper | None = None
+    """damping of the mass in the shots; unknown, or that of `sweep`, if left out"""
+
+
+class Calibration(NamedTuple):
+    """Measured shots and the unknowns to estimate from them.
+
+    files: SHA-256 of the table of shots and of the records that it names, by path
+    unknowns: ranges by name, internal units; C: uN us/um, or None if it is unknown
+    """
+
+    shots: Shots
+    files: dict[str, str]
+    unknowns: dict[str, list[float]]
+    C: float | None
+
+
+def read_calibration(
+    section: CalibrationSection, device: Device | Mapping, shocks: Shocks, C: np.ndarray
+) -> Calibration:
+    """Take the section; raises ValueError, one line, for invalid ones.
+
+    shocks: the first is the default of shots; C: of the sweep; a single value is the default
+    """
+    unknowns = {key: list(ends) for key, ends in told(section.unknowns).items()}
+    damping = section.C
+    if damping is None and "C" not in unknowns and C.size == 1:
+        damping = float(C[0])
+    if isinstance(device, Mapping):
+        raise ValueError("needs a single device; write device instead of devices")
+    check_ranges(unknowns, damping, device)
+    files = {section.shots: sha256_of(section.shots, *ROWS)}
+    table = read_shots(section.shots, files[section.shots], N_of_g(device.gravity))
+    for file in table.get("file", []):
+        if file and file not in files:
+            files[file] = sha256_of(inside(file), *RECORD)
+    shots = shots_from(table, shocks.first(), device)
+    return Calibration(shots, files, unknowns, damping)

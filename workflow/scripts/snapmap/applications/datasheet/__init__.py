@@ -31,7 +31,7 @@ class Datasheet(Application):
         from contextlib import nullcontext
 
         from ...files.atomic import write_text
-        from ...study.netcdf import open_whole
+        from ...study.variables import open_whole
         from ..requirements.verdict import read_verdicts
         from ..whole import doubts
         from .datasheet import datasheet

@@ -14,12 +14,12 @@ from ...files.text import plain
 from ...pulse.shocks import Shocks
 from ...study.arguments import Requirements, SingleStudy
 from ...study.axes import KIND_OF, attributes_of, frequencies, unit_on
-from ...study.shock import Shock, take_shock
+from ...study.shock import Shock
 from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 from ...values.arguments import Reading
-from ...values.kinds import Fitting, Pair, kind_of
+from ...values.kinds import Fitting, Pair, Word, kind_of
 from ...values.quantities import Damper, Frequency, Positive, PulseTime
 
 POINTS, WINDOW_POINTS = 17, 33
@@ -36,12 +36,8 @@ class Design(NamedTuple):
     error: float
 
 
-def _is_value(name):
-    return isinstance(name, str) and name in ("C", *VALUES)
-
-
 NAME = "C or the name of a value of the device, such as thickness"
-ValueName = Annotated[str, Fitting(NAME, _is_value)]
+ValueName = Annotated[str, Word(("C", *VALUES), NAME)]
 _PAIR = "a pair of numbers, low and high, such as (1.8, 2.2)"
 Between = Annotated[Sequence[float | str], Fitting(_PAIR)]
 
@@ -102,7 +98,7 @@ def design(
     2.1
     """
     start = study.start
-    required = _single_shocks(take_shock(goal, study.shocks, start) for goal in requirements)
+    required = _single_shocks(goal.under(study.shocks, start) for goal in requirements)
     f0 = frequencies(f0, duration)
     shock = ({} if required else {"N": N, "f0": f0}) | {"C": C, "between": between}
     if value == "C" and shock.pop("C") is not None:

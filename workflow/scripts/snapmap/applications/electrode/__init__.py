@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 class Electrode(Application):
     def kinds(self) -> Mapping[str, Any]:
         """The section of shocks that must close the electrode, by keys that only it has."""
-        from .required import DEMANDS
-        from .sections import ClosingSection
+        from .required import DEMANDS, ClosingSection
 
         return dict.fromkeys(DEMANDS, ClosingSection)
 
@@ -67,7 +66,7 @@ class Electrode(Application):
 
     def in_datasheet(self, study: Study, verdicts: Sequence[Verdict]) -> list[str]:
         """A table of the closures under the worst corner of each required shock."""
-        from .sheet import sections
+        from .closures import sections
 
         return sections(study, verdicts)
 

@@ -6,12 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...files.text import plain, table
 from ...numerics.linalg import dot
 from ...solver import simd_loop
 from ...solver.cells import Cells, Observations
 from ...solver.models import Follows, deciders
 from ...solver.outcome import REPEATED_STEP
 from ...solver.settings import FIRST, Run
+from ...study.study import Study
+from ..requirements.verdict import Verdict
 
 APART = 4.0
 """Error over the difference to another step. Second order gives 1/(1 - 0.75^2) = 2.3; this factor
@@ -126,3 +129,28 @@ def closures_again(
         for key, values in follow_closures(part, flat.take(at), window, settings).items():
             columns[key][at] = values
     return {key: values.reshape(shape) for key, values in columns.items()}
+
+
+CLOSURES = {
+    "t_closed": ("first closure", " us"),
+    "closed_for": ("then closed, to the end if it never opens", " us"),
+    "openings": ("openings", ""),
+    "closed_share": ("share of the time since then closed", ""),
+}
+"""Words and unit of each of `Closures`."""
+
+
+def sections(study: Study, verdicts: Sequence[Verdict]) -> list[str]:
+    """Write a line and a table in Markdown; none if nothing closes."""
+    closed = [verdict for verdict in verdicts if np.isfinite(verdict.more.get("t_closed", np.nan))]
+    if not closed:
+        return []
+    horizon = plain(study.horizon / 1e3)
+    cells = []
+    for verdict in closed:
+        where, more = f"{verdict.requirement}, {verdict.corner}", verdict.more
+        for key, (words, unit) in CLOSURES.items():
+            value, error = plain(more[key]), plain(more[f"{key}_error"], 1)
+            cells.append([words, value + unit, error + unit, where])
+    words = f"The electrode, to {horizon} ms after a shock:\n"
+    return [words, table(["what", "value", "error", "under"], cells)]

@@ -1,14 +1,18 @@
 """Required shocks that must close an electrode in time, or for long enough."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
-from ...study.study import Study
+from ...config.shocks import PulseSection
+from ...solver.settings import SECOND
+from ...study.study import ARRIVES, Study
+from ...values.quantities import PulseTime
+from ...values.records import record
 from ..application import Config
-from ..requirements.required import RequiredShock
+from ..requirements.sections import RequiredShock, ShockSection
 from ..requirements.verdict import MET, UNCLEAR, VIOLATED, Verdict
 
 DEMANDS = "closes_within", "stays_closed"
@@ -17,23 +21,21 @@ DEMANDS = "closes_within", "stays_closed"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RequiredClosing(RequiredShock):
-    """A required shock that must close the electrode, with one or both of DEMANDS, us."""
+    """A required shock that must close the electrode; demands: one or both of DEMANDS, us."""
 
     more: ClassVar[str] = "closing"
-    closes_within: float | None = None
-    stays_closed: float | None = None
+    demands: Mapping[str, float] = field(default_factory=dict)
 
     def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
         """Judge the shock, then its closures; `more` holds these with their margins."""
-        demands = self.closes_within, self.stays_closed
-        return [judge_closing(verdict, *demands) for verdict in super().check(study, C)]
+        return [judge_closing(verdict, **self.demands) for verdict in super().check(study, C)]
 
     def require(self, study: Study) -> None:
         """Raise ValueError if the devices lack an electrode, strength or frame."""
         if not any(device.has_electrode for device in study.devices().values()):
-            closing = DEMANDS[0] if self.closes_within else DEMANDS[1]
             need = "write the place of the electrode, such as '-5 um'"
-            raise ValueError(f"device.contact_at: missing, but {closing} needs it; {need}")
+            key = next(iter(self.demands))
+            raise ValueError(f"device.contact_at: missing, but {key} needs it; {need}")
         super().require(study)
 
 
@@ -66,3 +68,42 @@ def _kept(slack, error, verdict):
     if np.isnan(slack):
         return UNCLEAR if verdict.verdict == UNCLEAR else VIOLATED
     return MET if slack > error else VIOLATED if slack < -error else UNCLEAR
+
+
+@record
+class ClosingSection(ShockSection):
+    """A shock under which the device must close its electrode.
+
+    `snaps: true` counts as `arrives`.
+    """
+
+    kind: ClassVar[type[RequiredShock]] = RequiredClosing
+    _: KW_ONLY
+    closes_within: PulseTime | None = None
+    """longest time from the start of the shock until the beam closes"""
+    stays_closed: PulseTime | None = None
+    """least time until the beam opens again"""
+
+    @property
+    def demands(self) -> dict[str, float]:
+        """Those of DEMANDS that are written, us."""
+        demands = {key: getattr(self, key) for key in DEMANDS}
+        return {key: value for key, value in demands.items() if value is not None}
+
+    def __post_init__(self):
+        """Raise ValueError for what cannot be in any study."""
+        if self.snaps is False or self.start == SECOND:
+            more = ", and no start" if self.start == SECOND else ""
+            need = f"write snaps: true or any{more}"
+            raise ValueError(f"{next(iter(self.demands))}: needs a device that must trip; {need}")
+        if self.share:
+            line = f"share: not known of {next(iter(self.demands))}; leave one of them out"
+            raise ValueError(line)
+        super().__post_init__()
+
+    def under(self, pulse: PulseSection | None, gravity: float) -> RequiredShock:
+        """Make the requirement of a study, as for any shock, with its DEMANDS."""
+        required: Any = super().under(pulse, gravity)
+        # These say how long it must stay.
+        snaps = ARRIVES if self.snaps is True else self.snaps
+        return replace(required, snaps=snaps, demands=self.demands)

@@ -52,7 +52,7 @@ class Histories(Application):
         from dataclasses import replace
 
         from ...study.axes import attributes_of
-        from ...study.netcdf import write
+        from ...study.variables import write
         from .history import history_of
 
         shocks = study.shocks.first()
@@ -64,12 +64,6 @@ class Histories(Application):
     def figures(self, study: Config) -> Figures:
         """A figure for each cell."""
         return {f"history_{cell.name}": {} for cell in study.requests["histories"]}
-
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw motion, forces and energies over time."""
-        from .figure import draw_history
-
-        draw_history(figure.subplots(3, sharex=True, height_ratios=[2, 1, 1]), data)
 
 
 application = Histories()

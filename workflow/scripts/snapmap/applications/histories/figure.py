@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ...figures import captions, style
 from ...figures.scales import number, place_text
@@ -12,6 +13,11 @@ from ...figures.scales import number, place_text
 BEAM, MASS, AID = style.BLUE, "black", "0.3"
 FINE = 0.5
 """Width of lines that oscillate fast, pt."""
+
+
+def draw(figure: Figure, history: xr.Dataset) -> None:
+    """Draw a history on an empty figure."""
+    draw_history(figure.subplots(3, sharex=True, height_ratios=[2, 1, 1]), history)
 
 
 def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:

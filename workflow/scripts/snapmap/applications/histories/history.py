@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -18,12 +19,12 @@ from ...solver.adaptive import choose_model
 from ...solver.cells import Cells, Observations, to_cells
 from ...solver.cost import steps_and_seconds, tell
 from ...solver.kernel.tables import look_up
-from ...solver.models import Model
+from ...solver.models import Model, follow_twice
 from ...solver.options import section_of
 from ...solver.outcome import label
 from ...solver.settings import FIRST, SHOWN, Run
 from ...study.arguments import SingleStudy
-from ...study.axes import frequencies
+from ...study.axes import Grid, frequencies, rows_of
 from ...study.provenance import device_sections
 from ...study.study import Study
 from ...study.variables import dress
@@ -301,3 +302,19 @@ def warn_of_travel(rises: float, where: str = "") -> None:
             "device.stop_away or both",
             stacklevel=3,
         )
+
+
+# ASSUME: a shock machine repeats its peak to 1 % at best, so a beam that must stay has to stay at
+# these factors of N, too.
+NEAR = 1 + np.arange(-10, 11) / 1000
+
+
+def follow_near(study: Study, grid: Grid, N: Sequence[float]) -> list[Observations]:
+    """Follow the rows of a grid to the end twice, at each N by the finest level.
+
+    Returns observations, (rows, N), of each step.
+    """
+    settings = study.run.but(until="settled")
+    cells = rows_of(grid).cells(grid.device, N, settings.horizon)
+    finest = choose_model(grid.device, study.model, settings.start).levels[-1]
+    return follow_twice(finest, cells, settings)

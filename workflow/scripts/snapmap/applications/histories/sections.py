@@ -7,7 +7,8 @@ import numpy as np
 
 from ...device.device import VALUES, Device, batch
 from ...files.text import describe, exact, stem_of
-from ...study.axes import DEVICE, KIND_OF, frequency_of, one_time
+from ...study.axes import DEVICE, KIND_OF, frequency_of
+from ...values.arguments import one_time
 from ...values.faults import at_key
 from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from ...values.records import record, row_of_kinds, told

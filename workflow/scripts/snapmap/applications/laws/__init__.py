@@ -16,7 +16,9 @@ class Laws(Application):
         return Truth, "whether [three laws](applications/laws.md) are fitted to the thresholds"
 
     def request(self, section: Any, study: Config, document: Any) -> Any:
-        """Whether the laws are compared with the thresholds."""
+        """Whether the laws are compared with the thresholds; ValueError beside a user's own."""
+        if section and study.model.laws:  # the three laws are of the device's own forces
+            raise ValueError("does not work with model.laws; leave one of them out")
         return bool(section)
 
     def outputs(self, study: Config) -> Files:
@@ -29,7 +31,7 @@ class Laws(Application):
 
     def run(self, study: Config, threshold_path: str, path: str) -> None:
         """Compare the laws with the thresholds of the first device and pulse."""
-        from ...study.netcdf import open_whole, write_product
+        from ...study.variables import open_whole, write_product
         from .laws import laws_of, summary
 
         with open_whole(threshold_path) as thresholds:
@@ -38,12 +40,6 @@ class Laws(Application):
     def figures(self, study: Config) -> Figures:
         """A figure over f0."""
         return {"laws": {}}
-
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw thresholds and laws."""
-        from .figure import draw_laws
-
-        draw_laws(figure, data)
 
 
 application = Laws()

@@ -16,7 +16,7 @@ HOLDING = {"linewidth": 4, "alpha": 0.3, "solid_capstyle": "butt", "zorder": 1}
 THIN = {"color": "0.4", "linewidth": 0.8}
 
 
-def draw_laws(figure: Figure, laws: xr.Dataset) -> None:
+def draw(figure: Figure, laws: xr.Dataset) -> None:
     """Draw thresholds over f0, and below the delay of snaps near them; laws where they hold."""
     laws = curves.some_lines(laws, "f0", "C")
     top, below = figure.subplots(2, sharex=True, height_ratios=[3, 2])

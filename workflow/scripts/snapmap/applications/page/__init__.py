@@ -33,7 +33,7 @@ class Page(Application):
         """Write the page."""
         from ...config.points import read_points
         from ...files.atomic import write_text
-        from ...study.netcdf import open_whole
+        from ...study.variables import open_whole
         from ..requirements.verdict import read_verdicts
         from .figure import page
 

@@ -42,7 +42,7 @@ async function unpack({ kind, bytes }) {
 }
 
 const round = (value, digits = 4) => String(Number(value.toPrecision(digits)));
-const state = (k) => ends.states[cells[ends.code][k]];
+const state = (k) => ends.states[cells[ends.name][k]];
 const isAbsent = (k) => state(k).name === "absent";
 const nearest = () => at.map(Math.round);
 const isCell = () => at.every(Number.isInteger);
@@ -121,7 +121,7 @@ function describe(i, j) {
 }
 
 function drawMap() {
-  const z = byCell((k) => cells[view.code][k]), codes = z.flat().map(Math.round);
+  const z = byCell((k) => cells[view.name][k]), codes = z.flat();
   Plotly.restyle(map, { z: [z], colorscale: [view.scale], zmax: view.states.length - 0.5 }, [CELLS]);
   const hasLines = axes[Y].name === "N" && view.name === "snap";
   const [N, error, always] = ["N_first", "N_error", "N_always"].map((key) =>

@@ -13,37 +13,87 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.colors import LogNorm, Normalize, to_hex
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ...config.devices import read_device
 from ...config.points import Point
-from ...device.device import STOPS, VALUES
+from ...device.device import VALUES
 from ...figures import captions, plane, scales, states
 from ...files.text import leaves
 from ...pulse.shocks import make_shocks
+from ...solver.coefficients import coefficients
+from ...solver.kernel import rows as R
+from ...solver.models import build_model
+from ...solver.options import Cosines
 from ...solver.outcome import OUTCOMES
-from ...solver.settings import FIRST, SECOND, STARTS
-from ...study.axes import KIND_OF, NAMES, SHOCK_AXES
+from ...solver.settings import FIRST, SECOND, STARTS, Run
+from ...study.axes import KIND_OF, NAMES, SHOCK_AXES, Grid, rows_of
 from ...study.provenance import config_of
 from ...study.study import Study
 from ...sweeps.cube import thin
 from ...values.units import is_plain, of_file, spelling
 from ..requirements.verdict import Verdict
-from .forms import PLACES, forms, pulses
+
+COSINES = 5
+MOST_PIECES = 20_000
+"""Most pieces of a pulse that the page follows; a longer record would double its size."""
+OF_DEVICE = ("modes", "first", "second", "gravity", "factor", "held")
+"""Numbers of a device before those of the kernel: C is `held` + `factor` times that of a shock."""
+KERNEL = ("AXIAL", "RESIDUAL", "CONTACT", "M", "K", "TARGET", "BARRIER", "SADDLE", "Z0", "ALPHA")
+OF_STOPS = "STOP_TOWARD", "STOP_AWAY", "RESTITUTION", "SIDE"
+PLACES = {name: place for place, name in enumerate(OF_DEVICE)}
+PLACES |= {name: len(OF_DEVICE) + getattr(R, name) for name in (*KERNEL, *OF_STOPS)}
+PLACES["vectors"] = len(OF_DEVICE) + R.SIDE + 1
+"""Place of each number, and of the first vector, in a row of `forms`."""
+
+
+def forms(grid: Grid, start: str) -> tuple[np.ndarray, np.ndarray]:
+    """Tabulate the devices of a grid, and the time step of each of its points, us; start: of `Run`.
+
+    The rows of the table, (devices, n), are OF_DEVICE and then `coefficients`, and end in
+    zeros if other devices have more modes. Steps are those of a history, NaN without a device.
+    """
+    model = build_model(grid.device, Cosines(modes=COSINES))
+    cells = rows_of(grid).cells(grid.device, grid.axes["N"], horizon=0.0).flat()
+    table, steps = np.zeros((len(grid.device), 0)), np.full(cells.device.size, np.nan)
+    exists = np.flatnonzero(cells.device >= 0)
+    for members, part in model.split(np.arange(len(grid.device))):
+        rows = _tabulated(part, start)[members]
+        more = max(0, rows.shape[1] - table.shape[1])
+        table = np.pad(table, ((0, 0), (0, more)))
+        table[members, : rows.shape[1]] = rows
+        mine = exists[members[cells.device[exists]]]
+        steps[mine] = part.time_steps(cells.take(mine), Run(start=start).but(until="moved"))
+    return table, steps.reshape(grid.shape)
+
+
+def _tabulated(model, start):
+    device, barrier = model.device, model.barrier
+    # Without a mass, a damper of 1 keeps the equation of y solvable.
+    factor = np.where(device.is_alone, 0.0, device.damper_factor)
+    own = model.modes, barrier.first, barrier.second, device.gravity, factor, device.is_alone
+    columns = [np.broadcast_to(number, len(device)) for number in own]
+    known = coefficients(model, model.snap_target(start), start)
+    return np.hstack([np.stack(columns, axis=1), known])
+
+
+def pulses(study: Study) -> list[dict]:
+    """Describe each pulse of a study for the page; `pieces` is None if there are too many."""
+    return [
+        {
+            "shape": shocks.pulse.name,
+            "direction": shocks.direction,
+            "pieces": pulse.pieces if len(pulse.pieces) <= MOST_PIECES else None,
+            "ends": pulse.ends,
+        }
+        for shocks, pulse in zip(study.shocks.each(), study.shocks.pulses, strict=True)
+    ]
+
 
 HERE = Path(__file__).parent
 MIXED = "some guided, some free to tilt"
-STRUCK = {
-    "": "is struck by a mass when the frame is shaken by one pulse of acceleration",
-    "alone": "is shaken with its frame by one pulse of acceleration",
-    "alone pushed": "is pushed at its midpoint by one pulse of force, of which N is the peak",
-}
-"""Words for what the pulse does, by the kind of the drawing."""
 GREY = "#999999"
 """Colour of absent cells, which printed maps leave white and hatched."""
-RAMP = [to_hex(colour) for colour in states.TIME_COLOURS(np.linspace(0, 1, 9))]
-"""Colours of snap times, from the first to the last."""
 FACES = {True: "black", False: "white", None: "grey"}
 """Colour of a user's own point, by whether it tripped."""
 SYMBOLS = {"span": "L", "rise": "δ", "thickness": "t", "mass": "M", "spring": "K"}
@@ -87,13 +137,12 @@ def page(
     data = _data(cells, thresholds, document, shown) | _marks(cells, shown, verdicts, points)
     sizes = {key: (cells.sizes[key], cube.sizes[key]) for key in dims}
     kept = [f"{few} of {many} {key}" for key, (few, many) in sizes.items() if few < many]
-    model, kind = document["model"], _kind_of(devices)
+    model, starts = document["model"], captions.starts(document)
     return Template(_text("explore.html")).substitute(
         title=html.escape(shown["title"] or TITLE),
         ends=", or where it ends" if "well" in cells else "",
         drawing=_text("device.svg"),
-        drawn=" ".join([kind, *_lacking(devices, dims, document)]),
-        struck=STRUCK[kind],
+        drawn=" ".join([_kind_of(devices), *(["second"] if starts else [])]),
         data=json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         code="\n".join(map(_text, ("simulate.js", "explore.js"))),
         thinned=f"Shown of the cube: {', '.join(kept)}. " if kept else "",
@@ -101,7 +150,7 @@ def page(
         model=html.escape(
             " with ".join(str(model[key]) for key in ("name", "laws") if key in model)
         ),
-        guide=", ".join([*(captions.guides(document) or [MIXED]), *captions.starts(document)]),
+        guide=", ".join([*(captions.guides(document) or [MIXED]), *starts]),
         version=html.escape(cube.attrs["code_version"]),
     )
 
@@ -279,18 +328,10 @@ def _typeset(text):
 
 
 def _kind_of(devices):
-    """The key of STRUCK: whether all devices are a beam alone, and pushed at the midpoint."""
+    """Classes of the drawing: whether all devices are a beam alone, and pushed at the midpoint."""
     if any(device.get("mass") != "none" for device in devices.values()):
         return ""
     return "alone pushed" if all("force" in device for device in devices.values()) else "alone"
-
-
-def _lacking(devices, dims, document):
-    """Classes of the drawing: parts that no device or axis has, and a start in the second shape."""
-    named = {*dims}.union(*devices.values())
-    parts = {"stops": {*STOPS}, "gap": {"gap"}}
-    lacking = [f"without-{part}" for part, names in parts.items() if not names & named]
-    return [*lacking, "second"] if captions.starts(document) else lacking
 
 
 def _rows(section):
@@ -310,49 +351,25 @@ def _named(path):
 
 
 def _views(cells):
-    """Describe the views of the map: whether cells snap, when, and, if known, where they end.
+    """Describe the views of the map: whether cells snap, and, if known, where they end.
 
-    A view has a name and words; states, each with its key, and the name of the array of their
-    codes; and a colour scale for plotly. In the view of times RAMP replaces the colour of `snaps`.
+    A view has a name, that of the array of its codes, and words; states, each with its key; and a
+    colour scale for plotly.
     """
-    times = (states.WAITING, *states.SNAPS[1:])
-    shown = [("snap", "snaps", states.SNAPS), ("time", "time", times)]
+    shown = [("snap", "snaps", states.SNAPS)]
     if "well" in cells:
         shown.append(("end", "where it ends", states.STATES))
-    first, last = (f"{_say(time)} ms" for time in _snap_times(cells) / 1e3)
-    ramp = f'<i class="ramp" style="background:linear-gradient(to right, {",".join(RAMP)})"></i>'
     views = []
     for name, words, (*known, absent) in shown:
         known = [*known, absent._replace(colour=GREY)]
-        keys = [_key(state.colour, html.escape(state.words)) for state in known]
-        colours = [[state.colour] * 2 for state in known]
-        if name == "time":
-            colours[1], keys[1] = RAMP, f"{first} {ramp}{last}, first snap"
-        scale = [
-            ((place + share) / len(colours), colour)
-            for place, ramp in enumerate(colours)
-            for share, colour in zip(np.linspace(0, 1, len(ramp)).tolist(), ramp, strict=True)
-        ]
+        ends = [(place + end, state) for place, state in enumerate(known) for end in (0, 1)]
+        scale = [(end / len(known), state.colour) for end, state in ends]
         named = [
-            {"name": state.name, "words": state.words, "key": key}
-            for state, key in zip(known, keys, strict=True)
+            {**state._asdict(), "key": _key(state.colour, html.escape(state.words))}
+            for state in known
         ]
-        views.append({"name": name, "words": words, "code": name, "scale": scale, "states": named})
+        views.append({"name": name, "words": words, "scale": scale, "states": named})
     return views
-
-
-def _snap_times(cells):
-    """Give the first and the last snap, us; 0 if nothing snaps."""
-    return np.nan_to_num([cells.t_snap.min(), cells.t_snap.max()])
-
-
-def _time_codes(cells):
-    """Give the codes of the view of times: those of snaps, plus the place on RAMP, -0.5 to 0.5."""
-    first, last = _snap_times(cells)
-    norm = (LogNorm if last > states.WIDE * first else Normalize)(first, last)
-    codes, places = states.snap_states(cells), norm(cells.t_snap.values.ravel())
-    shade = 0.98 * (places.reshape(codes.shape) - 0.5)
-    return codes + xr.where(codes == 1, shade, 0)
 
 
 def _opening(cells, y):
@@ -376,7 +393,6 @@ def _arrays(cells, thresholds):
     unknown = xr.full_like(cells.t_snap, np.nan)
     columns = {
         "snap": states.snap_states(cells),
-        "time": _time_codes(cells),
         **({"end": states.end_states(cells)} if "well" in cells else {}),
         # A run that ends at its snap settles in its first shape, or not.
         "well": cells.get("well", cells.t_settled.notnull()),

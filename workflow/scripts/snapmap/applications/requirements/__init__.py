@@ -9,12 +9,12 @@ from ..application import Application, Config, Figures, Files, Mark
 
 if TYPE_CHECKING:
     from ...pulse.shocks import Shocks
-    from .required import RequiredShock
+    from .sections import RequiredShock
 
 
 def shocks_of(study: Config) -> list[RequiredShock]:
     """The required shocks of a study."""
-    from .required import RequiredShock
+    from .sections import RequiredShock
 
     required = study.requests.get("requirements", ())
     return [shock for shock in required if isinstance(shock, RequiredShock)]
@@ -101,9 +101,8 @@ class Requirements(Application):
 
     def run(self, study: Config, path: str, tolerance_path: str = "") -> None:
         """Judge the requirements, and write a row for each device, corner and C."""
-        from ...study.netcdf import open_whole
-        from .shares import with_shares
-        from .summary import sum_up
+        from ...study.variables import open_whole
+        from .summary import sum_up, with_shares
         from .verdict import write_verdicts
 
         study, requirements = study.of_thresholds(), study.requests["requirements"]

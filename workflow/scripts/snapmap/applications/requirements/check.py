@@ -14,7 +14,7 @@ from ...study.axes import duration_of
 from ...study.shock import Shock
 from ...study.study import ANY, Study
 from ...thresholds.surface import first_snaps
-from ..histories.near import NEAR, follow_near
+from ..histories.history import NEAR, follow_near
 from .verdict import (
     DIFFERS,
     MET,

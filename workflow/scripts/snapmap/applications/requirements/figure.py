@@ -48,6 +48,9 @@ def draw_margins(ax: Axes, verdicts: Sequence[Verdict], unit_of_C: str = OF_DAMP
         if margin == margin:
             error = margin * worst.margin_error / worst.margin
             ax.errorbar(margin, place, xerr=error, **_look(worst))
+        else:  # the threshold is beyond all
+            edge = low if worst.must_snap in (True, ARRIVES) else high
+            ax.plot(edge, place, clip_on=False, **_look(worst))
         words = [] if margin == margin else ["snaps at no $N$ seen"]
         if worst.must_snap in (True, ARRIVES):
             words.append(worst.end_text)

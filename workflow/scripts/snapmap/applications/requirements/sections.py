@@ -1,56 +1,87 @@
 """The section `requirements`: shocks that must, or must not, trip the device."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import KW_ONLY
-from typing import Annotated, Any, ClassVar
+from dataclasses import KW_ONLY, asdict, dataclass, replace
+from typing import Any, ClassVar, Protocol
 
-from ...config.kinds import Title
+import numpy as np
+
 from ...config.shocks import TIMED, PulseSection, Push, SeveralShapes
 from ...config.study import require_start
 from ...files.text import show
-from ...numerics.statistics import CONFIDENCE
 from ...pulse.shocks import each_form
-from ...solver.settings import FIRST
-from ...study.axes import frequency_of, one_time
-from ...study.shock import Snaps, Start
+from ...study.shock import Demand, Shock
 from ...study.study import ANY
-from ...values.arguments import Reading
+from ...values.arguments import Reading, one_time
 from ...values.faults import at_key
 from ...values.kinds import Kind, kind_of
-from ...values.quantities import Amplitude, Frequency, PulseTime, Share
+from ...values.quantities import Positive
 from ...values.records import build, record, told
 from ..application import Config
-from .required import Required, RequiredShock
-
-# ASSUME: of devices whose strengths scatter all but one in a thousand must survive.
-SURVIVES = 0.999
+from .verdict import Verdict, at_corner
 
 
-class SurvivesKind(Kind):
-    """True, false or a share: whether, or how probably, the beam must not break."""
+class Required(Protocol):
+    """A requirement: a shock, a vibration, or a spectrum; start: as in `Run`."""
 
-    need = "true, false or a share such as 99.99 %"
+    @property
+    def name(self) -> str: ...
 
-    def convert(self, value: object, reading: Reading) -> float:
-        """Give the least probability with which the beam must not break; 0 if it may."""
-        return (
-            SURVIVES * value if isinstance(value, bool) else kind_of(Share).convert(value, reading)
-        )
+    @property
+    def start(self) -> str: ...
 
-    def write(self, value: float) -> object:
-        """Write a share."""
-        return kind_of(Share).write(value)
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
+        """Judge each device at each temperature and C (uN us/um)."""
 
-    def schema(self) -> dict:
-        """Describe the choice."""
-        return {"anyOf": [{"type": "boolean"}, kind_of(Share).schema()]}
+    def require(self, study: Config) -> None:
+        """Raise ValueError, one line, if the study cannot have this requirement."""
+
+    def plain(self) -> dict[str, Any]:
+        """Plain values on which the verdicts depend."""
 
 
-Survives = Annotated[float, SurvivesKind()]
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RequiredShock(Shock):
+    """A required shock of a config.
+
+    more: a word for what its kind demands beside trip and survival; empty for nothing
+    """
+
+    more: ClassVar[str] = ""
+
+    def check(self, study: Config, C: Sequence[float]) -> list[Verdict]:
+        """Judge by threshold and strength."""
+        from ..histories.history import free_travel, observed_of
+        from .check import check, judge
+
+        judged, how = [], (study.threshold_tolerance, study.temperatures)
+        for verdict in check(study, [self], C, *how):
+            shaken = at_corner(study, self, verdict)
+            extremes, more = observed_of(shaken, verdict.N, verdict.f0, verdict.C)
+            moved = extremes.toward_max, extremes.away_max
+            travel = free_travel(shaken.device, *moved)
+            found = replace(verdict, **extremes._asdict(), travel_over_rise=travel, more=more)
+            judged.append(judge(found, shaken.device, self.survives))
+        return judged
+
+    def require(self, study: Config) -> None:
+        """Raise ValueError if a device lacks what the requirement needs, or a batch its scatter."""
+        if self.share and not study.requests.get("tolerances"):
+            need = "write what scatters, such as tolerances: {thickness: 3 %}"
+            raise ValueError(f"share of {self.name}: needs devices as made; {need}")
+        unbreakable = any(np.isinf(device.strength) for device in study.devices().values())
+        if self.snaps == ANY and not self.more and unbreakable:
+            what = f"snaps: any of {self.name}"
+            raise ValueError(f"device.strength: missing, for {what}; write one such as '1.2 GPa'")
+        study.under(self.shocks)  # a force shakes no frame
+
+    def plain(self) -> dict[str, Any]:
+        """All values, the shocks as they are written."""
+        return asdict(self) | {"shocks": self.shocks.values()}
 
 
 @record
-class ShockSection(PulseSection):
+class ShockSection(PulseSection, Demand):
     """A shock that must, or must not, trip the device.
 
     A requirement holds at every temperature of the sweep. Its shape and direction are those of
@@ -59,29 +90,10 @@ class ShockSection(PulseSection):
 
     kind: ClassVar[type[RequiredShock]] = RequiredShock
     _: KW_ONLY
-    name: Title
-    """unique name"""
-    N: Amplitude | None = None
-    """peak of the shock over gravity; required, except for a drop"""
-    snaps: Snaps
-    """whether the device must trip and stay tripped; `arrives`: it must reach its other shape, if
-    only for a moment; `any`: either is right"""
-    survives: Survives = SURVIVES
-    """least probability that the beam does not break; true is 99.9 %, false is 0"""
-    share: Share | None = None
-    """least share of the devices as made (`tolerances`) that must meet it, such as 99.9 %"""
-    confidence: Share = CONFIDENCE
-    """confidence that the share must be known with"""
-    f0: Frequency | None = None
-    """1/duration of the shock; required, or `duration`, or a shock with its own"""
-    duration: PulseTime | None = None
-    """duration of the shock; replaces f0"""
-    shape: SeveralShapes | None = None
+    shape: SeveralShapes | None = None  # type: ignore[assignment]
     """how the acceleration goes over time; several all count; that of `pulse` if left out"""
     direction: Push | None = None
     """+z presses the mass on the beam; that of `pulse` if left out"""
-    start: Start = FIRST
-    """shape in which the beam rests at first"""
 
     @classmethod
     def beside(cls, written: Mapping) -> dict[str, str]:
@@ -90,10 +102,6 @@ class ShockSection(PulseSection):
 
     def __post_init__(self):
         """Raise ValueError for what cannot be in any study."""
-        if self.N is not None and not self.N > 0:
-            raise ValueError(
-                f"N: {self.N:g} is not above 0; a direction of -z pushes the other way"
-            )
         if self.snaps == ANY and not (self.survives or self.kind.more):
             need = "true or false, or survives"
             raise ValueError(f"snaps: any leaves nothing to check; write {need}")
@@ -106,19 +114,8 @@ class ShockSection(PulseSection):
         """
         shocks = self.shocks_from(self._inheriting(pulse))
         if self.N is None and self.drop is None:
-            raise ValueError(f".N: missing; write {kind_of(Amplitude).asks}")
-        f0 = self.f0 if self.duration is None else frequency_of(self.duration)
-        return self.kind(
-            name=self.name,
-            N=shocks.pulse.peak / gravity if self.N is None else self.N,
-            f0=f0 or shocks.own_frequency(),
-            shocks=shocks,
-            snaps=self.snaps,
-            survives=self.survives,
-            share=self.share or 0.0,
-            confidence=self.confidence,
-            start=self.start,
-        )
+            raise ValueError(f".N: missing; write {kind_of(Positive).asks}")
+        return self.shock(self.kind, shocks, shocks.pulse.peak / gravity if self.drop else 0.0)
 
     def _inheriting(self, pulse):
         """Values of its pulse; shape, shares and direction that it lacks are those of the study's.

@@ -9,9 +9,9 @@ from ..application import Application
 class Spectra(Application):
     def kinds(self) -> Mapping[str, Any]:
         """Sections of requirements, by the key that only they have."""
-        from .sections import SpectrumSection, VibrationSection
+        from .required import RequiredSpectrum, RequiredVibration
 
-        return {"psd": VibrationSection, "srs": SpectrumSection}
+        return {"psd": RequiredVibration, "srs": RequiredSpectrum}
 
 
 application = Spectra()

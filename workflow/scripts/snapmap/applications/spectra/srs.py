@@ -9,7 +9,7 @@ import numpy as np
 from ...numerics import portable
 from ...pulse.pulse import Pulse, straight
 from ...values.quantities import Value
-from .pairs import LEVELS, Points
+from .psd import LEVELS, Points
 
 Q = 10.0
 """Quality factor of the oscillators of a shock response spectrum; 10 is customary."""
@@ -28,8 +28,6 @@ ROUNDS = 25
 """Number of corrections of a draw; the best one counts."""
 DRAWS, LONG_DRAWS = 4, 16
 """Most draws of wavelets with LOBES, and then with LONG_LOBES, until one meets the spectrum."""
-PER_SAMPLE = 1e-8
-"""Approximate core time of a round for each sample and frequency, s."""
 BAND = 3.0
 """Largest deviation of a record from its spectrum, dB, both ways."""
 DIGITS = 6
@@ -135,8 +133,3 @@ def _draw(points, seed, lobes):
     peak = float(abs(a).max())
     pieces = straight(np.arange(samples) / (samples - 1), a / peak)
     return Record(Pulse("srs", pieces, 1e6 * step * (samples - 1)), peak, deviation)
-
-
-def draw_seconds(points: Sequence[Sequence[float]], pulse: Pulse) -> float:
-    """Forecast the core time to draw a record of a spectrum, s; pulse: another of its records."""
-    return PER_SAMPLE * ROUNDS * frequencies(points).size * len(pulse.pieces)

@@ -1,17 +1,8 @@
-"""Sums of sines, compiled."""
+"""Sums of wavelets, compiled."""
 
 import numpy as np
 
 from ...numerics.kernels import compiled, sine
-
-
-@compiled
-def sines(turns: np.ndarray) -> np.ndarray:
-    """Return sin(2 pi turns), (n,)."""
-    values = np.empty(turns.size)
-    for i in range(turns.size):
-        values[i] = sine(turns[i])
-    return values
 
 
 @compiled

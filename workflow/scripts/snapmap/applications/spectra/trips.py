@@ -14,11 +14,11 @@ from ...solver.cost import tell
 from ...study.arguments import AnyStudy, Axes
 from ...study.study import OF_THRESHOLDS, Study
 from ...study.variables import dress
-from ...thresholds.cost import run_seconds
 from ...thresholds.probe import Probe
+from ...thresholds.survey import run_seconds
 from ...values.quantities import Dampers, Seed
 from .psd import Records
-from .srs import Levels, check_points, draw_seconds, record
+from .srs import Levels, check_points, record
 
 RECORDS, SEED = 8, 1
 FACTORS = tuple(quarters(n) for n in range(-8, 9))
@@ -93,9 +93,8 @@ def trips_of(
     rows = to_rows(grid.device_of[..., np.newaxis], 1.0, grid.axes["C"])
     exists, model = rows.device >= 0, choose_survey(grid.device, study.model).decides
     rows, first = rows.take(exists), records[0].pulse
-    draws = len(seeds) * draw_seconds(points, first)
     probe = Probe(model, rows, study.run, "snap")
-    tell_records("srs_test", probe, first, len(seeds), draws)
+    tell_records("srs_test", probe, first, len(seeds))
     records += [record(points, seed) for seed in seeds[1:]]
     pulses, peaks, deviations = map(list, zip(*records, strict=True))
     is_upward = DIRECTIONS[study.shocks.directions[0]] > 0
@@ -114,19 +113,24 @@ def trips_of(
     return dress("spectrum", xr.Dataset(data, grid.axes | {"factor": list(FACTORS)}), document)
 
 
-def tell_records(what: str, probe: Probe, pulse: Pulse, records: int, drawn: float = 0.0) -> None:
+def tell_records(what: str, probe: Probe, pulse: Pulse, records: int) -> None:
     """Warn if rows under records take long, and refuse them if they take too long.
 
     what: name of the function; probe: f0 and pulse of its rows do not matter
     pulse: one of the records
-    records: their number; drawn: core time to draw them, s
+    records: their number
     """
     rows = to_rows(probe.rows.device, 1e6 / pulse.duration, probe.rows.C, 0, (pulse,))
     under = probe._replace(rows=rows, until="edge")
     followed = PER_RECORD * records * float(run_seconds(under).sum())
     lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
-    seconds = drawn + followed / probe.settings.threads
-    tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=4)
+    tell(
+        what,
+        followed / probe.settings.threads,
+        lasts,
+        "write a higher lowest frequency",
+        stacklevel=4,
+    )
 
 
 def snap_times(
@@ -160,14 +164,3 @@ def ends(snaps: np.ndarray) -> tuple[float, float, float, float]:
     first = factors[(snaps == 1).any(axis=0)].min(initial=np.inf)
     last = factors[stays.any(axis=0)].max(initial=0)
     return factors[none].max(initial=0), first, last, factors[every].min(initial=np.inf)
-
-
-def summary(tested: xr.Dataset) -> str:
-    """Write in a line the share of runs that snap, up to which factor none and from which all."""
-    quiet, _, _, sure = ends(tested.snaps.transpose(..., "factor").values.reshape(-1, len(FACTORS)))
-    words = [f"{tested.snaps.sel(factor=1.0).mean().item():.0%} of the runs snap"]
-    if quiet:
-        words.append(f"none up to {quiet:.2g} times it")
-    if sure < np.inf:
-        words.append(f"all from {sure:.2g} times it")
-    return ", ".join(words)

@@ -1,7 +1,5 @@
 """Force over displacement of a beam that is pushed slowly.  Imports: core alone."""
 
-from typing import Any
-
 from ..application import Application, Config, Figures, Files
 
 
@@ -20,7 +18,7 @@ class Statics(Application):
 
     def run(self, study: Config, statics_paths: list[str]) -> None:
         """Write the statics of each device."""
-        from ...study.netcdf import write
+        from ...study.variables import write
         from .statics import statics_of
 
         for device, path in zip(study.devices().values(), statics_paths, strict=True):
@@ -31,12 +29,6 @@ class Statics(Application):
         from pathlib import Path
 
         return {Path(path).stem: {} for path in self.outputs(study).get("statics", ())}
-
-    def draw_one(self, figure: Any, data: Any) -> None:
-        """Draw force and energy over displacement."""
-        from .figure import draw_statics
-
-        draw_statics(figure, data)
 
 
 application = Statics()

@@ -21,7 +21,7 @@ PEAK = {"color": "0.4", "linewidth": 0.5, "linestyle": ":", "zorder": 0}
 NOTE = {"textcoords": "offset points", "fontsize": 6}
 
 
-def draw_statics(figure: Figure, statics: xr.Dataset) -> None:
+def draw(figure: Figure, statics: xr.Dataset) -> None:
     """Draw force and energy over the displacement, one above the other, with their legend."""
     force, energy = figure.subplots(2, sharex=True, height_ratios=[3, 2])
     draw_force_displacement(force, statics)

@@ -25,7 +25,7 @@ class Stress(Application):
 
     def run(self, study: Config, cube_path: str, path: str) -> None:
         """Follow the cells of the cube again."""
-        from ...study.netcdf import open_whole, write_product
+        from ...study.variables import open_whole, write_product
         from .stress import stress_of_cube
 
         with open_whole(cube_path) as cube:

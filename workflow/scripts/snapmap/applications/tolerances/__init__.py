@@ -68,7 +68,7 @@ class Tolerances(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Find the thresholds of devices whose values scatter."""
-        from ...study.netcdf import write_product
+        from ...study.variables import write_product
         from .dataset import summary, tolerances_of
 
         axes = {key: study.axes[key] for key in AXES if key in study.axes}
@@ -90,7 +90,7 @@ class Tolerances(Application):
 
     def draw(self, figures: Figures, folder: str, files: Files) -> None:
         """Draw the probability of a snap, the sensitivity of thresholds, and the yield."""
-        from ...study.netcdf import open_whole
+        from ...study.variables import open_whole
         from .figure import draw_stem
 
         with open_whole(files["tolerance"]) as dataset:

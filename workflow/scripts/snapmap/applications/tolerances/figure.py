@@ -17,7 +17,7 @@ from ...numerics.portable import evenly
 from ...numerics.statistics import percents, scope, share_bounds
 from ...study.study import ANY, SNAPS
 from ..requirements.figure import WRONG, required_text
-from ..requirements.shares import missing_fire
+from ..requirements.summary import missing_fire
 
 LINES = {0.01: ":", 0.1: "--", 0.5: "-", 0.9: "--", 0.99: ":"}
 """Dashes of the lines at which these shares of devices snap."""
@@ -152,9 +152,10 @@ def draw_sensitivity(ax: Axes, data: xr.Dataset) -> Axes:
     scales.leave_space(ax, f0)
     for i, value in enumerate(data.value.values.tolist()):
         index, (colour, marker) = data.sel(value=value), LOOKS[i % len(LOOKS)]
-        total, first = (index.sensitivity.sel(order=order).values for order in ("total", "first"))
+        shares = index.sensitivity.clip(0, 1)  # as a share has no other values
+        total, first = (shares.sel(order=order).values for order in ("total", "first"))
         bounds = index.sensitivity_bound.sel(order="total").transpose("bound", "f0").values
-        low, high = np.clip(bounds, 0, 1)  # as a share has no other values
+        low, high = np.clip(bounds, 0, 1)
         bars = {"yerr": np.maximum([total - low, high - total], 0), "elinewidth": 0.5}
         look = {"color": colour, "marker": marker}
         ax.errorbar(f0.places, total, markersize=3, label=words_of(value), **bars, **look)

@@ -47,7 +47,7 @@ class Window(Application):
 
     def run(self, study: Config, path: str) -> None:
         """Find where required shocks are met, and which share of devices meets them."""
-        from ...study.netcdf import write_product
+        from ...study.variables import write_product
         from .window import summary, window_of
 
         tolerances = study.requests.get("tolerances")
@@ -58,13 +58,7 @@ class Window(Application):
     def figures(self, study: Config) -> Figures:
         """A figure over both axes, with their units."""
         units = {key: study.units.get(key) for key in choose_axes(study)}
-        return {"window": {"axes": units}}
-
-    def draw_one(self, figure: Any, data: Any, axes: dict[str, tuple[str, float]]) -> None:
-        """Draw where all required shocks are met."""
-        from .figure import draw_window
-
-        draw_window(figure, data, axes)
+        return {"window": {"units": units}}
 
 
 application = Window()

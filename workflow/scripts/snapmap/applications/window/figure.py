@@ -28,7 +28,7 @@ MARGINS, SHARES = (1.02, 1.05, 1.1, 1.15, 1.2, 1.5, 2), (0.5, 0.9, 0.99)
 """Level lines of the smallest safety factor, and of shares of devices."""
 
 
-def draw_window(figure: FigureBase, data: xr.Dataset, units: Units) -> None:
+def draw(figure: FigureBase, data: xr.Dataset, units: Units) -> None:
     """Draw margins over two axes, and yield and stress if known, with the region that meets all.
 
     data: as `window_of` returns it; units: of the horizontal and of the vertical axis
