@@ -141,6 +141,8 @@ def _row(name, devices, C, static, steep):
 
 
 def _spread(values, digits):
-    """Write the median of values, where nine in ten are, and their extremes."""
+    """Write the median of values, where nine in ten are, and their extremes; nothing of none."""
+    if not values.size:
+        return [""] * 3
     ends = [f"{value:.{digits}f}" for value in np.percentile(values, [50, 5, 95, 0, 100])]
     return [ends[0], f"{ends[1]} to {ends[2]}", f"{ends[3]} to {ends[4]}"]

@@ -80,9 +80,7 @@ def follow(model):
     cells = cells_of(model.device)
     observed = model.follow_once(cells, SETTINGS.but(until="moved"))
     dt = model.steps.of(cells, MOVE)
-    steps = np.ceil(cells.t_end / dt).astype(int)
-    shocks = zip(*cells[2:5], dt, steps, strict=True)
-    runs = [record(model, cells.pulses[0], *shock)[1] for shock in shocks]
+    runs = [record(model, cells.take([i]), dt[[i]])[1] for i in range(dt.size)]
     highest = np.array([max(part.y.max() for part in parts) for parts in runs])
     return Moved(observed.pulse_work, observed.t_snap, highest)
 

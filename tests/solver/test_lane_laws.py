@@ -309,5 +309,5 @@ def test_the_stress_under_laws_is_that_of_the_device_where_they_are_its_own(hand
 @pytest.mark.long
 def test_every_example_of_a_law_runs_in_the_kernel(handout, root):
     for path in sorted((root / "examples" / "laws").glob("*.py")):
-        ours = follow(handout, {"name": "cosines"}, load_laws(str(path)), 200.0)
+        ours = follow(handout, snapmap.Cosines(), load_laws(str(path)), 200.0)
         assert ours.energy_error.max() < 1e-6

@@ -21,10 +21,10 @@ from snapmap.workflow.made import HEAD, LIST
 pytestmark = pytest.mark.long
 
 STUDY = f"""{THREE_COSINES}sweep:
-  N: {{from: 600, to: 2400, points: 60}}
+  N: {{from: 600, to: 2400, points: 120}}
   f0: {{from: 300 Hz, to: 10 kHz, points: 20, spacing: log}}
   C: [0.025 uN*us/um, 25 uN*us/um]
-run: {{horizon: 40 ms, until: snap}}
+run: {{horizon: 320 ms, until: snap}}
 """
 OLD = "results/window.nc"
 
@@ -110,7 +110,7 @@ def resumed(root, tmp_path_factory):
     run.communicate()
     (folder.slabs / "0123456789abcdef.nc.99.part").touch()
     output, after = folder.run(), folder.finished()
-    assert "results/cube.nc: 2400 cells" in output and "an old line" not in output
+    assert "results/cube.nc: 4800 cells" in output and "an old line" not in output
     assert old.exists() and "results/threshold.nc" not in output
     assert len(before) == 1 and before.items() < after.items() and len(after) == 2
     return folder

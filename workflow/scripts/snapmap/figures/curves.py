@@ -71,14 +71,12 @@ def no_threshold(thresholds: xr.Dataset, lines: str) -> str:
     return f"no threshold: {', '.join(texts)}" if 0 < len(texts) < none.size else ""
 
 
-def draw_curve(
-    ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, marker: str = "", size: float = 3.5
-) -> None:
+def draw_curve(ax: Axes, x: np.ndarray, curve: xr.Dataset, colour: str, marker: str = "") -> None:
     """Draw N_first over x with error bars; a curve is dashed and hollow where the snap is late."""
     every = -(-x.size // MARKS)
     bars = {"linestyle": "", "elinewidth": 0.6, "errorevery": every}
     ax.errorbar(x, curve.N_first.values, _known_error(curve).values, color=colour, **bars)
-    look = {"color": colour, "marker": marker, "markersize": size}
+    look = {"color": colour, "marker": marker, "markersize": 3.5}
     _draw_line(ax, x, curve, look, every)
 
 

@@ -43,7 +43,8 @@ def fall(device: Device, static: Number) -> Number:
     """
     beam = device.beam
     way = beam.height - beam.made_rise * midpoint(beam.cosines, GROWTH)
-    return 1 - device.spring * way / (device.mass * device.gravity * static)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return 1 - device.spring * way / (device.mass * device.gravity * static)
 
 
 def obstacles(device: Device, static: Number) -> dict[str, np.ndarray]:
@@ -57,8 +58,7 @@ def obstacles(device: Device, static: Number) -> dict[str, np.ndarray]:
     if np.any(np.isfinite(device.stop_toward)):
         clear = replace(device, stop_toward=np.inf * np.asarray(device.stop_toward))
         reasons["a stop is in the way"] = static_threshold(clear) != static
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = fall(device, static)
+    share = fall(device, static)
     return reasons | {
         "the beam is free to tilt": np.not_equal(beam.free, 0),
         "the beam as made has a second cosine": np.not_equal(beam.cosine_2, 0),

@@ -36,7 +36,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
     ax.set(yscale="log", ylabel=scales.label_in(ax, "N", thresholds.attrs))
     drawn = list(curves.each_line(thresholds, lines))
     for place, (curve, colour, marker) in enumerate(drawn):
-        curves.draw_curve(ax, curves.velocity_change(curve).values, curve, colour, marker, size=2)
+        curves.draw_curve(ax, curves.velocity_change(curve).values, curve, colour, marker)
         if np.isfinite(curve.velocity_change):
             look = curves.limit_look(curves.SHORT, colour, place) | {"label": curves.SHORT}
             ax.axvline(curve.velocity_change.item(), **look)
