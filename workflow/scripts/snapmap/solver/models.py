@@ -26,7 +26,7 @@ from .laws import Laws, well_of
 from .options import Chosen, Cosines, Elements, Reference
 from .outcome import REPEATED_STEP
 from .settings import CALM, FIRST, MOVE, SECOND, STAY, TO_THE_END, Run
-from .steps import Steps, explicit_steps, steps_of, striking_speed
+from .steps import Steps, explicit_steps, steps_of, strikes
 
 BUNCH = 8192
 """Cells of a call to a kernel, after which progress is reported; too few leave its lanes idle."""
@@ -85,8 +85,8 @@ class Model:
 
     def time_steps(self, cells: Cells, settings: Run) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape."""
-        speed = striking_speed(self.device, cells, settings.start)
-        return self.steps.of(cells, settings.question, speed)
+        struck = strikes(self.device, cells, settings.start)
+        return self.steps.of(cells, settings.question, *struck)
 
     def steps_after_snap(self, cells: Cells, dt: np.ndarray, settings: Run) -> np.ndarray:
         """Return the steps of each cell once it has snapped, us: at first, and when it is calm.
@@ -95,8 +95,8 @@ class Model:
         """
         if settings.until not in TO_THE_END:
             return np.array([dt, dt])
-        speed = striking_speed(self.device, cells, settings.start)
-        steps = [self.steps.of(cells, question, speed) for question in (STAY, CALM)]
+        struck = strikes(self.device, cells, settings.start)
+        steps = [self.steps.of(cells, question, *struck) for question in (STAY, CALM)]
         return np.minimum(steps, dt)
 
     def loop(self) -> ModuleType:

@@ -45,6 +45,9 @@ from rest to rest. MOST_ALONE is for a beam that snaps without the mass."""
 HEAVY, HOLDS = 16.0, 5.0
 """HEAVY: mass over the beam's from which on MOST grows, with its fourth root. HOLDS: stiffness over
 the clamped beam's, 192 EI/L^3, at which a spring holds the mass back from a beam that snaps."""
+RUN_UP = 1.5
+"""Rises that a mass may swing from which on its strike is fast, without stops; weaker shocks throw
+it hardly faster than the beam follows."""
 STRIKE_TURN = 2.0
 """Most radians per step by which the fastest mode turns under the tension of a strike, or of the
 beam's own load; in longer steps the energy is conserved, but goes to the wrong modes."""
@@ -61,7 +64,7 @@ class Steps:
     returns: whether the mass may come back from a stop
     most: most steps in each swing of a smooth pulse, for SNAP and EDGE
     tightening, own_tightening: as in `strike_tightening`, of the mass, and of the beam by its own
-        load where stops keep the mass from snapping it at a far weaker shock, 1/(um us)
+        load, 1/(um us)
     arch: frequency of the arch, rad/us
     per_swing: steps in each swing of a pulse that is slow for the device
     factor: multiplies every step
@@ -79,10 +82,16 @@ class Steps:
     per_swing: float
     factor: float = 1.0
 
-    def of(self, cells: Cells, question: str, speed: np.ndarray | float = 0.0) -> np.ndarray:
+    def of(
+        self,
+        cells: Cells,
+        question: str,
+        speed: np.ndarray | float = 0.0,
+        shaken: np.ndarray | bool = False,
+    ) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape.
 
-        speed: as `striking_speed` returns it
+        speed, shaken: as `strikes` returns them
         """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         swing = 1 / (swings * cells.f0)
@@ -99,9 +108,10 @@ class Steps:
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
         step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
-        if not (np.any(speed) or np.any(self.own_tightening)):
+        if not (np.any(speed) or np.any(shaken)):
             return step
-        own = self.own_tightening[cells.device] * shaken_speed(self.arch, cells)
+        own = np.where(shaken, self.own_tightening[cells.device], 0.0)
+        own = own * shaken_speed(self.arch, cells)
         turn = step * np.sqrt(self.tightening[cells.device] * speed + own)
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
 
@@ -162,17 +172,23 @@ def strike_tightening(mass: Number, modal: ModalBeam) -> Number:
     return np.sqrt(2 * mass * modal.axial) * modal.geometric[..., -1, -1]
 
 
-def striking_speed(device: Device, cells: Cells, start: str) -> np.ndarray:
+def strikes(device: Device, cells: Cells, start: str) -> tuple[np.ndarray, np.ndarray]:
     """Bound the speed at which a mass strikes the beam with a run-up, um/us, in the cells' shape.
 
     It is 0 but in runs from the second shape, where no mass rests on the beam, and of a mass that
-    a shock throws against its stops; without these it is nearly as fast, but lands on the beam at
-    shocks far weaker than those that matter here.
+    a shock throws against its stops, or so far away that it may swing by RUN_UP rises.
+    Also returns in which cells the beam's own load counts: with stops, and after such a swing, only
+    shocks snap it that are far stronger than those that snap another beam.
     """
-    strikes = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
-    thrown = np.atleast_1d(device.has_stops)[cells.device] & strikes
-    fast = thrown | (start != FIRST)
-    return np.where(fast, largest_speed(device, cells), 0.0) if fast.any() else np.zeros(fast.shape)
+    pulled = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
+    stopped = np.broadcast_to(np.atleast_1d(device.has_stops)[cells.device], pulled.shape)
+    from_second = np.full(pulled.shape, start != FIRST)
+    if not np.any(pulled | from_second):
+        return np.zeros(pulled.shape), stopped
+    speed = largest_speed(device, cells)
+    swing = speed / np.atleast_1d(device.mass_frequency)[cells.device]
+    far = pulled & (swing > np.atleast_1d(RUN_UP * device.beam.rise)[cells.device])
+    return np.where(from_second | pulled & stopped | far, speed, 0.0), stopped | far
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:
@@ -206,7 +222,7 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
     turns = np.sqrt(modal.geometric[..., -1, -1] / modal.geometric[..., 0, 0])
     longest = LONGEST | {STAY: np.minimum(LONGEST[STAY], STAY_TURN / turns)}
-    own_load = np.where(device.has_stops, strike_tightening(device.beam.weight, modal), 0.0)
+    own_load = strike_tightening(device.beam.weight, modal)
     return Steps(
         longest={question: turn * period for question, turn in longest.items()},
         shortest=SHORTEST * period,

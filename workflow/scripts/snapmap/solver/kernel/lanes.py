@@ -21,7 +21,7 @@ ROUNDING = 1e-12
 """Further margin of a proof over the barrier, larger than errors of rounding."""
 EXACT = 2.0
 """Radians per step up to which a free mode swings exactly; faster modes swing too slowly."""
-CALM = 1.0
+CALM_ENERGY = 1.0
 """Energy of a beam over its barrier below which a run that has snapped takes long steps again."""
 OPENED = 4.0
 """Residual of the ledger over its tolerance at which a run is given up."""
@@ -49,7 +49,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
-    dt_wild, dt_calm: step of a cell that has snapped, us, (cells,); see CALM
+    dt_wild, dt_calm: step of a cell that has snapped, us, (cells,); see CALM_ENERGY
     stop_at_snap: whether a run ends there too
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -418,7 +418,7 @@ def follow_all(
                 # The snap is seen up to a block late, and the energy that it frees later.
                 is_late = state.steps[l] * X[R.DT, l] > (X[R.COUNT, l] + BLOCK) * dt
                 energy = energies(X, V, len(shape), l)[0]
-                is_short = not (is_late and energy < CALM * X[R.BARRIER, l])
+                is_short = not (is_late and energy < CALM_ENERGY * X[R.BARRIER, l])
             if is_short and not was_short:
                 take_back(work, len(shape), l, begun, state)
                 change_step(work, shape, laws, l, task.dt_wild[cell], cell, state, task)
