@@ -71,22 +71,8 @@ def test_a_step_changed_to_and_fro_leaves_a_run_as_it_was(damped, contact):
     shocks[:: R.LANES] = 3e4 * device.gravity * dt**2
     advance(work, shape, laws, shocks, 0, 128)
     state.steps[0] += 128
-    task = Task(
-        devices=coefficients(model, -np.inf),
-        pulses=pulses,
-        device=cells.device,
-        pulse=cells.pulse,
-        amplitude=cells.amplitude,
-        f0=cells.f0,
-        damping=cells.damping,
-        t_end=cells.t_end,
-        dt=dt,
-        dt_wild=dt / 4,
-        dt_calm=dt,
-        stop_at_snap=False,
-        tolerance=1.0,
-        facts=Facts(*np.zeros((7, 1))),
-    )
+    facts, steps = Facts(*np.zeros((7, 1))), (dt, dt / 4, dt)
+    task = Task(coefficients(model, -np.inf), pulses, *cells[:6], *steps, False, 1.0, facts)
     X = work[: R.VECTORS * R.LANES].reshape(-1, R.LANES)[:, 0]
     motion = work[R.VECTORS * R.LANES :].reshape(-1, R.LANES)[: R.U * 5, 0]
     before, moved = X.copy(), motion.copy()

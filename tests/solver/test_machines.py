@@ -50,9 +50,9 @@ for name in names or products:
     print(name, "numbers", hashlib.sha256(bits).hexdigest()[:16])
 """
 BITS = {
-    "cosines numbers": "b7603e3acd65de70",
+    "cosines numbers": "5436d396a3af8a9a",
     "reference numbers": "9d942870cac4291c",
-    "quality numbers": "c81a7bce2707b20a",
+    "quality numbers": "26a137aced4f4e60",
 }
 """Hashes of numbers, on x86-64 and on ARM: a file also names the version of Python."""
 IS_X86 = platform.machine() in ("x86_64", "AMD64")

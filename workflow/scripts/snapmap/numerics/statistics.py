@@ -27,8 +27,10 @@ def percents(*shares: float) -> str:
 def _percent(end):
     """Write per cent to a tenth, or as finely as it takes to tell them from 0 and 100."""
     apart = round(min(abs(end), abs(100 - end)), DECIMALS - 2)
-    is_close = 0 < apart < 0.1
-    return f"{end:.{np.ceil(-np.log10(apart)) if is_close else 1:.0f}f}"
+    digits, finest = 1, 10.0
+    while 0 < apart * finest < 1:
+        digits, finest = digits + 1, 10 * finest
+    return f"{end:.{digits}f}"
 
 
 def scope(share) -> str:

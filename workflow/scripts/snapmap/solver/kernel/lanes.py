@@ -309,6 +309,8 @@ def change_step(
     """
     X, V, modes = numbers(work), vectors(work, len(shape)), len(shape)
     device, old, was = task.devices[task.device[cell]], np.empty(R.VECTORS), X[R.DT, l]
+    if laws is not None:
+        begin_laws(X, l, laws, half_step_midpoint(V, modes, l))
     stored, motion, steps = total(X, V, modes, l), np.empty((2, modes)), 0
     for row in range(R.VECTORS):
         old[row] = X[row, l]
@@ -354,6 +356,7 @@ def take_back(work: np.ndarray, modes: int, l: int, begun: np.ndarray, state: Pu
     w, w_before, count = X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l]
     work[R.STATE * LANES + l : (R.VECTORS + R.U * modes) * LANES : LANES] = begun[l::LANES]
     X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l] = w, w_before, count
+    X[R.DY_BEFORE, l] = X[R.DY, l]
     state.steps[l] -= BLOCK
 
 
