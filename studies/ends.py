@@ -13,6 +13,7 @@ import numpy as np
 from snapmap import Study, threshold
 from snapmap.beam.modal import natural_frequency
 from snapmap.device.device import batch
+from snapmap.solver.adaptive import build_adaptive
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
@@ -45,8 +46,9 @@ STRONG = 2.0
 SHAPES = "half sine", "versed sine", "sawtooth", "trapezoid"
 JUDGES = (11, 1.0), (17, 0.7)
 """Numbers of cosines and steps, as in RULES, of runs that take the steps of STAY from the start."""
-RULES = [(cosines, step) for cosines in (3, 5, 11) for step in (4.0, 2.0, 1.0)]
-"""Number of cosines, and step over the default one for the question STAY."""
+AUTO = "auto"
+RULES = [(cosines, step) for cosines in (3, 5, 11) for step in (4.0, 2.0, 1.0)] + [(AUTO, 1.0)]
+"""Number of cosines, or the model AUTO, and step over the default one for the question STAY."""
 LONGEST_RUN = 2e4
 """Longest pulse and horizon, us, over the thickness of the beam, um."""
 
@@ -106,12 +108,17 @@ def ends(cases, cosines, step, snap_too=False):
     """
     sides, seconds = [], 0.0
     for device, pulses, f0, C, N, horizon in cases:
-        model = with_stay(build_model(batch([device]), Cosines(modes=cosines)), step, snap_too)
+        if cosines == AUTO:
+            model = build_adaptive(batch([device]))
+            follow = model.follow_ends
+        else:
+            model = build_model(batch([device]), Cosines(modes=cosines))
+            follow = with_stay(model, step, snap_too).follow
         cells = to_cells(model.device, 0, N * FACTORS, f0, C, horizon, 0, pulses)
         settings = Run(horizon=horizon).but(until="end")
-        model.follow(cells.take(np.zeros(0, int)), settings)  # compiles
+        follow(cells.take(np.zeros(0, int)), settings)  # compiles
         begin = process_time()
-        run = model.follow(cells, settings)
+        run = follow(cells, settings)
         seconds += process_time() - begin
         sides.append(np.where(np.isfinite(run.t_snap), side_at_end(run, 1e-3), 0))
     return np.array(sides), seconds

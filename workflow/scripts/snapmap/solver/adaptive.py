@@ -65,8 +65,8 @@ class Adaptive:
         """Follow rows of cells, (rows, n), of ascending N, each cell by the level that suffices.
 
         A cell is safe if its ledger closes and no label changes near it along N. Others are decided
-        by top, in the steps of EDGE; this repeats until no new cell is unsafe. The end of each cell
-        that snaps is that of a run of check.
+        by top, in the steps of EDGE; this repeats until no new cell is unsafe. Cells that snap
+        end as in `follow_ends`.
         """
         # A run without cells compiles the kernel that takes longest first, while a job of
         # thresholds beside this one compiles that of base.
@@ -92,19 +92,23 @@ class Adaptive:
             agreed[new] = np.where(same, AGREED, DISPUTED)
             observed.replace(new, top)
         if settings.until == "settled":
-            self._follow_to_ends(observed, cells, settings)
+            # Where the second run does not snap, as may be near a threshold, the end stays unknown.
+            snapped = np.isfinite(observed.t_snap)
+            ends = self.follow_ends(cells.take(snapped), settings)
+            known = np.isfinite(ends.t_snap) | ~(ends.energy_error <= settings.energy_tolerance)
+            snapped[snapped] = known
+            observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
         return observed._replace(level=level, agreed=agreed)
 
-    def _follow_to_ends(self, observed, cells, settings):
-        """Follow cells that snap once more, by check, to observe all but `t_snap` of them.
+    def follow_ends(self, cells: Cells, settings: Run) -> Observations:
+        """Follow cells that snap to their end, (cells,), by check; those that come back, by top.
 
-        Where that run does not snap, as may be near a threshold, the end stays unknown.
+        The fewer cosines share the energy of a snap, the more often a beam comes back.
         """
-        snapped = np.isfinite(observed.t_snap)
-        ends = self.check.follow(cells.take(snapped), settings.but(until="end"))
-        known = np.isfinite(ends.t_snap) | ~(ends.energy_error <= settings.energy_tolerance)
-        snapped[snapped] = known
-        observed.replace(snapped, ends.take(known)._replace(t_snap=observed.t_snap[snapped]))
+        ends = self.check.follow(cells, settings.but(until="end"))
+        back = np.isfinite(ends.t_snap) & (ends.well != 2)
+        ends.replace(back, self.top.follow(cells.take(back), settings.but(until="end")))
+        return ends
 
 
 class Survey(NamedTuple):

@@ -282,12 +282,15 @@ class Batch:
 
         N_first: their thresholds, multiples of g, (samples, rows), below which none snaps
         """
-        model = self.models.check if isinstance(self.models, Adaptive) else self.models
+        model = self.models
         first = N_first[self.bistable[: len(N_first)]]
         levels = np.repeat(self.factors["N"][: len(first)], rows.f0.size)[:, np.newaxis] * N
         every, above = self._rows(rows).take(slice(first.size)), first.reshape(-1, 1) <= N
         cells = every.cells(model.device, levels, settings.horizon).take(above)
-        runs = model.follow(cells, settings.but(until="end"))
+        if isinstance(model, Adaptive):
+            runs = model.follow_ends(cells, settings)
+        else:
+            runs = model.follow(cells, settings.but(until="end"))
         above[above] = label(runs, settings.energy_tolerance) == LATCHED
         return above.reshape(len(first), rows.f0.size, N.size).sum(axis=0)
 
