@@ -220,8 +220,10 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     crosses = np.greater(device.gap, 0) & np.isfinite(device.gap)
     share = np.where(crosses, 1.0, spring_share(device))
     pressed = LONGEST_PRESSED + (LONGEST[SNAP] - LONGEST_PRESSED) * share
-    turns = np.sqrt(modal.geometric[..., -1, -1] / modal.geometric[..., 0, 0])
-    longest = LONGEST | {STAY: np.minimum(LONGEST[STAY], STAY_TURN / turns)}
+    slowest, fastest = np.sqrt(modal.geometric[..., 0, 0]), np.sqrt(modal.geometric[..., -1, -1])
+    # A law of the force leaves no tension, and a single mode.
+    stay = STAY_TURN * np.where(fastest > 0, slowest, 1.0) / np.where(fastest > 0, fastest, 1.0)
+    longest = LONGEST | {STAY: np.minimum(LONGEST[STAY], stay)}
     own_load = strike_tightening(device.beam.weight, modal)
     return Steps(
         longest={question: turn * period for question, turn in longest.items()},
