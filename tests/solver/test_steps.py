@@ -68,7 +68,7 @@ def test_only_a_mass_that_was_thrown_far_or_against_a_stop_strikes_the_first_sha
     fastest, stopped = largest_speed(handout, cells), replace(handout, stop_away=2.0)
     weak = cells._replace(amplitude=cells.amplitude / 100)
     swing = fastest[1] / handout.mass_frequency
-    assert 1.5 * handout.beam.rise < swing < 150 * handout.beam.rise
+    assert 3.0 * handout.beam.rise < swing < 300 * handout.beam.rise
     np.testing.assert_array_equal(strikes(handout, weak, FIRST), np.zeros((2, 2)))
     np.testing.assert_array_equal(strikes(handout, cells, FIRST), [[0.0, fastest[1]], [0, 1]])
     np.testing.assert_array_equal(strikes(handout, cells, SECOND)[0], fastest)
@@ -89,7 +89,7 @@ def test_a_light_mass_that_was_thrown_far_snaps_the_beam_where_it_does_in_short_
     device = Device(beam, mass=25.7, spring=1.007, contact=17.54, gravity=9.81e-6)
     model = build_model(batch([device]), Cosines(modes=11))
     f0 = 0.365 * device.own_frequency / (2 * np.pi) * 1e6
-    swings = device.beam.rise * device.mass_frequency * np.geomspace(2.0, 10.0, 12)
+    swings = device.beam.rise * device.mass_frequency * np.geomspace(3.1, 12.0, 12)
     pulse, C = make_pulse("trapezoid").reversed(), 0.05 * np.sqrt(device.spring * device.mass)
     one = to_cells(model.device, 0, [1.0], f0, C, 1e3, 0, (pulse,))
     N = swings / largest_speed(model.device, one)

@@ -118,7 +118,7 @@ def resumed(root, tmp_path_factory):
 
 def test_a_killed_run_loses_nothing(resumed):
     study = load_config(yaml.safe_load(STUDY))
-    asked = snapmap.Study(study.device, "3 cosines", horizon=40_000.0, until="snap")
+    asked = snapmap.Study(study.device, "3 cosines", horizon=320_000.0, until="snap")
     with xr.open_dataset(resumed.cube) as cube:
         xr.testing.assert_equal(cube, snapmap.sweep(asked, **study.axes))
     assert not list((resumed.path / "results").rglob("*.part"))

@@ -49,8 +49,8 @@ def steps_and_seconds(built: Follows, cells: Cells, settings: Run) -> tuple[np.n
     dt, seconds = np.empty((2, *cells.f0.shape))
     for mine, part in built.split(cells.device):
         dt[mine] = part.time_steps(cells.take(mine), settings)
-        # Where a cell snaps, and then calms down, is not known.
-        counted = part.steps_after_snap(cells.take(mine), dt[mine], settings)[1]
+        # When a cell snaps, and then calms down, is not known.
+        counted = part.steps_after_snap(cells.take(mine), dt[mine], settings)[0]
         nanoseconds = 80 if part.name == "reference" else 1 + part.modes**2 / 20
         followed = cells.t_end[mine]
         if not (part.laws or part.name == "reference" or settings.until == SHOWN):

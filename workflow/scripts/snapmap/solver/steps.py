@@ -45,7 +45,7 @@ from rest to rest. MOST_ALONE is for a beam that snaps without the mass."""
 HEAVY, HOLDS = 16.0, 5.0
 """HEAVY: mass over the beam's from which on MOST grows, with its fourth root. HOLDS: stiffness over
 the clamped beam's, 192 EI/L^3, at which a spring holds the mass back from a beam that snaps."""
-RUN_UP = 1.5
+RUN_UP = 3.0
 """Rises that a mass may swing from which on its strike is fast, without stops; weaker shocks throw
 it hardly faster than the beam follows."""
 STRIKE_TURN = 2.0

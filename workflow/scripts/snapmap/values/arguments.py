@@ -59,7 +59,9 @@ def convert(
     unknown: what a name is that no argument has; elsewhere: the remedy for some of them
     """
     known = {
-        key if isinstance(key, tuple) else (key,): line for key, line in (faults or {}).items()
+        key if isinstance(key, tuple) else (key,): line
+        for key, line in (faults or {}).items()
+        if not (key in given and line.startswith("missing"))
     }
     lines, values = [line_at(path, line) for path, line in known.items()], {}
     for key, value in given.items():

@@ -270,7 +270,9 @@ def _plane(cells):
 def _axis(cells, key):
     """An axis for the page: places of its values, texts, ticks and scale."""
     words, scale = scales.WORDS[key], scales.scale_of(key, cells[key].values)
-    unit = spelling(of_file(cells[key].attrs["units"])).page if key in KIND_OF else ""
+    # Old versions of xarray lose attributes of axes on the way.
+    kind, written = KIND_OF.get(key), cells[key].attrs.get("units")
+    unit = spelling(of_file(written) if written else kind.unit).page if kind else ""
     label = _typeset(scales.axis_label(key, cells.attrs) if key == "N" else scales.LABELS[key])
     values = scale.values.tolist()
     ticks = {"tickvals": _round_between(*scale.edges[[0, -1]], scale.is_log)}
