@@ -180,15 +180,16 @@ def strikes(device: Device, cells: Cells, start: str) -> tuple[np.ndarray, np.nd
     Also returns in which cells the beam's own load counts: with stops, and after such a swing, only
     shocks snap it that are far stronger than those that snap another beam.
     """
-    pulled = np.array([pulse.strikes for pulse in cells.pulses])[cells.pulse]
+    facts = np.array([(pulse.strikes, pulse.pulls) for pulse in cells.pulses])
+    may_strike, pulled = np.moveaxis(facts[cells.pulse], -1, 0)
     stopped = np.broadcast_to(np.atleast_1d(device.has_stops)[cells.device], pulled.shape)
     from_second = np.full(pulled.shape, start != FIRST)
-    if not np.any(pulled | from_second):
+    if not np.any(may_strike | from_second):
         return np.zeros(pulled.shape), stopped
     speed = largest_speed(device, cells)
     swing = speed / np.atleast_1d(device.mass_frequency)[cells.device]
     far = pulled & (swing > np.atleast_1d(RUN_UP * device.beam.rise)[cells.device])
-    return np.where(from_second | pulled & stopped | far, speed, 0.0), stopped | far
+    return np.where(from_second | may_strike & stopped | far, speed, 0.0), stopped | far
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:
