@@ -147,8 +147,8 @@ def draw_law(ax: Axes, law: str, N: float, C: float) -> None:
     """Draw the midpoint over time, with an example of a law and without."""
     device = snapmap.load_device(ROOT / "config" / "config.yaml")
     path = ROOT / "examples" / "laws" / f"{law}.py"
-    lawful = snapmap.Cosines(laws=load_laws(str(path)))
-    for model, colour, words in (("reference", "0.6", "without"), (lawful, "C5", "with the law")):
+    plain, lawful = snapmap.Cosines(), snapmap.Cosines(laws=load_laws(str(path)))
+    for model, colour, words in ((plain, "0.6", "without"), (lawful, "C5", "with the law")):
         run = snapmap.simulate(snapmap.Study(device, model, horizon=0), N, 1500.0, C)
         ax.plot(run.time, run.w_mid, color=colour, label=words)
     ax.set(title=f"{law.replace('_', ' ')}, N = {N:g}", xlabel="time (µs)", xlim=(0, 667))

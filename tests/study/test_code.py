@@ -30,6 +30,9 @@ def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
         (tmp_path / name).write_text(text)
         made.append(code_hash(tmp_path))
     assert len(set(made)) == 3 and made[2] == made[3]
+    (tmp_path / "0").mkdir()
+    (tmp_path / "inner" / "b.js").rename(tmp_path / "0" / "b.js")
+    assert code_hash(tmp_path) == made[3], "where a file lies is no part of it"
     (tmp_path / "a.py").rename(tmp_path / "c.py")
     assert code_hash(tmp_path) not in made
 

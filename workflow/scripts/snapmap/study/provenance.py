@@ -114,11 +114,14 @@ def code_version() -> str:
 
 
 def code_hash(*paths: Path) -> str:
-    """Give 12 hex digits of the SHA-256 of code and data: files, and all files below folders."""
+    """Give 12 hex digits of the SHA-256 of code and data: files, and all files below folders.
+
+    It is the same wherever they lie.
+    """
     files = {file for path in paths for file in (path, *path.rglob("*")) if file.suffix in _CODE}
     digest = hashlib.sha256()
-    for file in sorted(files):
-        digest.update(file.name.encode() + b"\0" + file.read_bytes())
+    for name, text in sorted((file.name, file.read_bytes()) for file in files):
+        digest.update(name.encode() + b"\0" + text)
     return digest.hexdigest()[:12]
 
 
