@@ -32,7 +32,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     Returns `Facts`.
     """
     nothing = no_observations(cells.f0.shape)
-    dt_wild, dt_calm = model.steps_after_snap(cells, dt, settings)
+    dt_excited, dt_calm = model.steps_after_snap(cells, dt, settings)
     facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
         devices=_coefficients(model, settings.start),
@@ -44,7 +44,7 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
         damping=cells.damping,
         t_end=cells.t_end,
         dt=dt,
-        dt_wild=dt_wild,
+        dt_excited=dt_excited,
         dt_calm=dt_calm,
         stop_at_snap=settings.until in ("snap", "edge"),
         tolerance=settings.energy_tolerance,

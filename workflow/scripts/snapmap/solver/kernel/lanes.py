@@ -49,7 +49,7 @@ class Task(NamedTuple):
     devices: (devices, coefficients), as `coefficients` returns them
     pulses: pieces, bounds and ends, as `pulse.table` returns them, over x = f0 t
     device, ..., t_end: as in `Cells`; dt: step, us; each (cells,)
-    dt_wild, dt_calm: step of a cell that has snapped, us, (cells,); see CALM_ENERGY
+    dt_excited, dt_calm: step of a cell that has snapped, us, (cells,); see CALM_ENERGY
     stop_at_snap: whether a run ends there too
     tolerance: of the ledger, over the gross work of the pulse; see OPENED
     """
@@ -63,7 +63,7 @@ class Task(NamedTuple):
     damping: np.ndarray
     t_end: np.ndarray
     dt: np.ndarray
-    dt_wild: np.ndarray
+    dt_excited: np.ndarray
     dt_calm: np.ndarray
     stop_at_snap: bool
     tolerance: float
@@ -376,7 +376,7 @@ def follow_all(
 ) -> None:
     """Follow all cells of a `Task`, each until its well is proven or t_end is past.
 
-    Once a cell has snapped its steps are `dt_wild`, and `dt_calm` while its beam is calm.
+    Once a cell has snapped its steps are `dt_excited`, and `dt_calm` while its beam is calm.
 
     leaps: () if runs leave out quiet time, else None, by whose type they are compiled without it
     """
@@ -417,14 +417,14 @@ def follow_all(
                 running -= 1
                 continue
             is_short, was_short, dt = False, X[R.SHORT, l] == 1.0, task.dt[cell]
-            if X[R.W, l] <= X[R.TARGET, l] and task.dt_wild[cell] < dt:
+            if X[R.W, l] <= X[R.TARGET, l] and task.dt_excited[cell] < dt:
                 # The snap is seen up to a block late, and the energy that it frees later.
                 is_late = state.steps[l] * X[R.DT, l] > (X[R.COUNT, l] + BLOCK) * dt
                 energy = energies(X, V, len(shape), l)[0]
                 is_short = not (is_late and energy < CALM_ENERGY * X[R.BARRIER, l])
             if is_short and not was_short:
                 take_back(work, len(shape), l, begun, state)
-                change_step(work, shape, laws, l, task.dt_wild[cell], cell, state, task)
+                change_step(work, shape, laws, l, task.dt_excited[cell], cell, state, task)
                 X[R.SHORT, l] = 1.0
             elif was_short and not is_short:
                 change_step(work, shape, laws, l, task.dt_calm[cell], cell, state, task)
