@@ -434,8 +434,8 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
 def test_the_window_of_the_recipe_is_drawn(clone, tmp_path):
     """With fewer points and a cheaper model; on its range all requirements can be met."""
     text = (clone / "config" / "arm.yaml").read_text(encoding="utf-8")
-    axes = window.application.figures(study_of(text))["window"]["axes"]
-    assert [*axes] == ["spring", "C"]
+    units = window.application.figures(study_of(text))["window"]["units"]
+    assert [*units] == ["spring", "C"]
     text = text.replace("points: 8", "points: 3").replace("samples: 200", "samples: 16")
     text = text.replace("name: auto", "name: cosines, modes: 3")
     (config := tmp_path / "arm.yaml").write_text(text)
