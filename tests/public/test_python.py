@@ -1,16 +1,16 @@
 """The functions of the package: what there is, what they take, and what a wrong call says."""
 
-import copy
 import doctest
 import inspect
 import itertools
 import json
 import pickle
 import random
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import get_args
 
 import numpy as np
+import pint
 import pytest
 import xarray as xr
 
@@ -26,6 +26,7 @@ WRONG = (
     *(None, "abc", "1500 Hz", "", b"abc", "a\nb", np.nan, np.inf, -np.inf, -1.0, 0.5j, 10**400),
     *([], (), {}, [[]], [[1.0], [2.0, 3.0]], [[[1.0]]], ["abc"], [None], [np.nan], [-1.0]),
     *({"name": []}, [[1.0]], [memoryview(b"a")], batch([DEVICE, DEVICE])),
+    *("25 cd", xr.DataArray(1.0, attrs={"units": "cd"}), [1.0, 2.0] * pint.Unit("cd")),
     *({"abc": 1}, {1: [2]}, {"N": "abc"}, {1.0, 2.0}, object(), object, len, range(0), ...),
     *(np.ones(100_000), np.array(["abc"]), np.array(None), np.zeros((2, 3, 4)), "abc" * 10_000),
 )
@@ -65,6 +66,10 @@ def test_the_example_of_each_function_is_true(root, monkeypatch, name):
     assert example.examples and doctest.DocTestRunner().run(example).failed == 0
 
 
+def values_of(record):
+    return {field.name: getattr(record, field.name) for field in fields(record)}
+
+
 @pytest.fixture(scope="module")
 def right_calls(handout, root):
     """A right call of each function."""
@@ -76,6 +81,7 @@ def right_calls(handout, root):
     no_f0 = {key: no_N[key] for key in no_N if key != "f0"}
     pairs, axes = [(500, 700), (2000, 1500)], {"axes": {"thickness": [2.0]}}
     return {
+        **{type(part).__name__: values_of(part) for part in (DEVICE, DEVICE.beam)},
         "calibrate": {**at, "shots": SHOTS, "unknowns": {"thickness": (1.7, 2.3)}, "C": 25.0},
         "design": {**at, "value": "thickness", **SINGLE, "between": (1.8, 2.2)},
         "load_device": {"source": root / "config/config.yaml"},
@@ -99,7 +105,7 @@ def right_calls(handout, root):
 def wrong_calls(right_calls):
     """Each function with each argument, one at a time, as each of WRONG."""
     for name, right in right_calls.items():
-        parameters = parameters_of(name)
+        parameters = {} if name in ("Beam", "Device") else parameters_of(name)
         for key, value in itertools.product(parameters, WRONG):
             annotation = parameters[key].annotation
             optional = type(None) in get_args(annotation)
@@ -150,8 +156,9 @@ def fault_of(name, arguments, key):
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_wrong_argument_is_one_line_that_names_it(right_calls):
-    every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)]
+@pytest.mark.parametrize("stride", [3, pytest.param(1, marks=pytest.mark.long)])
+def test_a_wrong_argument_is_one_line_that_names_it(right_calls, stride):
+    every = [*wrong_calls(right_calls), *nested_wrong_calls(right_calls)][::stride]
     faults = {}
     for name, right, key, value in every:
         if fault := fault_of(name, {**right, key: value}, key):
@@ -281,15 +288,9 @@ def test_what_is_missing_or_there_twice_or_too_much_is_named(right_calls):
             FUNCTIONS[name](*range(most + 1))
 
 
-def test_functions_and_studies_can_be_sent_to_other_processes(handout):
+def test_functions_can_be_sent_to_other_processes():
     for function in FUNCTIONS.values():
         assert pickle.loads(pickle.dumps(function)) is function
-    drop = {"drop": {"height": "0.5 m", "duration": "0.5 ms", "rebound": 0.3}}
-    for pulse in ("half sine", ["half sine", "sawtooth"], drop):
-        study = snapmap.Study({"a": handout, "b": handout}, pulse=pulse, **CHEAP)
-        for other in (pickle.loads(pickle.dumps(study)), copy.deepcopy(study), copy.copy(study)):
-            assert other == study and repr(other) == repr(study)
-            assert other.document() == study.document()
 
 
 def test_a_map_has_two_axes(right_calls):
@@ -366,12 +367,10 @@ def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls, kind)
     """Those of numpy and xarray are plain ones behind the door."""
     study = snapmap.Study(handout, snapmap.Cosines(modes=np.int64(3)), horizon=kind(0.0))
     assert study == snapmap.Study(handout, **CHEAP)
-    assert Beam(**converted(vars(DEVICE.beam), kind)) == DEVICE.beam
-    assert Device(**converted(vars(DEVICE), kind)) == DEVICE
     for name in right_calls.keys() - {"load_device", "open_cube", "plot_outcome", "words"}:
         right = right_calls[name]
         made, other = (FUNCTIONS[name](**asked) for asked in (right, converted(right, kind)))
-        if name in ("design", "read_pulse"):
+        if name in ("design", "read_pulse", "Beam", "Device"):
             assert made == other
         else:
             assert made.identical(other) and "np." not in other.attrs["config"]
