@@ -254,7 +254,7 @@ def test_a_plot_in_a_notebook_shows_what_snaps_or_where_it_ends():
     for ends, classify in ((True, S.end_states), (False, S.snap_states)):
         ax = snapmap.plot_outcome(TINY, axes(), thresholds=make_found().isel(C=0), ends=ends)
         assert filled(ax)[0] == classify(TINY).values.T.tolist()
-    with pytest.raises(ValueError, match="has no wells"):
+    with pytest.raises(ValueError, match="has no ends"):
         snapmap.plot_outcome(TINY.drop_vars("well"), axes(), ends=True)
 
 

@@ -178,7 +178,7 @@ def plot_outcome(
         _require_alike(thresholds, cells, x)
     if ends and "well" not in cells:
         raise ValueError(
-            "cube: has no wells, as its runs end at the snap; sweep with until='settled'"
+            "cube: has no ends, as its runs end at the snap; sweep with until='settled'"
         )
     shows = "ends" if ends else "snaps"
     shown = states.coloured(shows, colours or {})

@@ -235,7 +235,7 @@ def well_of(force: Callable, rise: Number) -> tuple[float, float, float]:
     if abs(F[POINTS]) > least or F[:POINTS].max() > least or not rises.size:
         needs = "0 at 0, then positive, negative from a saddle on, and positive again"
         needs += f" below {x[-1]:g} um, and nowhere positive below 0"
-        raise fault_of(force, "force", f"no double well; make it {needs}")
+        raise fault_of(force, "force", f"no two stable shapes; make it {needs}")
     step, i, j = x[POINTS + 1], falls[0], rises[0]
     saddle, second = (float(x[k] + step * F[k] / (F[k] - F[k + 1])) for k in (i, j))
     energy = step * (F[POINTS:i].sum() + F[i] / 2) + F[i] * (saddle - x[i]) / 2
