@@ -138,16 +138,6 @@ def test_the_study_of_the_handout_is_exact():
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
 
 
-EXACT = {
-    "Length": {"600um": 600.0, "600 \N{MICRO SIGN}m": 600.0, " 0.6 mm\n": 600.0, ".6e0 mm": 600.0},
-    "Density": {"2.33 g/cm**3": 0.00233, "2330 kg/m³": 0.00233, "2330 kg m^-3": 0.00233},
-    "Rate": {"4e-4 /us": 4e-4, "4e-4/us": 4e-4, "4e-4 1 / us": 4e-4, "0 /us": 0.0},
-    **{"Modulus": {"150000 N/mm^2": 150000.0}, "Mass": {"0.1 ug": 100.0, "none": 0.0}},
-    **{"Stiffness": {"5.5e-3 N/mm": 5.5}, "Contact": {"hard": math.inf}},
-    **{"Frequency": {"1.5 kHz": 1500.0}, "Damper": {"0.2 mN*s/m": 200.0, "0.025 mg/s": 0.025}},
-    **{"Duration": {"1.5 ms": 1500.0}, "Amplitude": {"1e3": 1000.0, 1000: 1000.0}},
-    **{"Share": {"0.1 %": 0.001, "5%": 0.05}, "Fraction": {"0.001": 0.001, "1e-3": 0.001}},
-}
 UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
 RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
 NEVER = (
@@ -156,14 +146,10 @@ NEVER = (
 )
 NOT_THIS = {
     **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
-    **{"Frequency": ["10 krad/s", "10 rpm"], "Rate": ["10 rad/us"]},
+    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
+    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
     **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
 }
-
-
-def test_conversion_adds_no_noise():
-    for kind, values in EXACT.items():
-        assert [KINDS[kind].read(text) for text in values] == [*values.values()]
 
 
 @pytest.mark.parametrize("target", USUAL)

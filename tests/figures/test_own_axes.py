@@ -51,6 +51,17 @@ def drawn_texts(figure, monkeypatch):
     return seen
 
 
+def require_legible(figure, monkeypatch):
+    """No text lies over another, outside the page, or is too small."""
+    texts = drawn_texts(figure, monkeypatch)
+    page = figure.bbox.padded(0.5)
+    for i, (text, box) in enumerate(texts):
+        assert page.contains(box.x0, box.y0) and page.contains(box.x1, box.y1), text
+        assert text.get_fontsize() >= style.SMALLEST, text
+        for other, beside in texts[:i]:
+            assert not box.padded(-1).overlaps(beside.padded(-1)), (text, other)
+
+
 @pytest.fixture(autouse=True)
 def closed():
     with mpl.rc_context(mpl.rcParamsDefault | {"backend": "agg"}):
@@ -72,18 +83,23 @@ def test_in_a_users_own_layout_no_text_lies_over_another_or_is_cut_off(name, lay
         DRAW[name](ax)
     assert figure.get_layout_engine() is engine and dict(plt.rcParams) == before
     adjust(figure)
-    texts = drawn_texts(figure, monkeypatch)
-    page = figure.bbox.padded(0.5)
-    for i, (text, box) in enumerate(texts):
-        assert page.contains(box.x0, box.y0) and page.contains(box.x1, box.y1), text
-        assert text.get_fontsize() >= style.SMALLEST, text
-        for other, beside in texts[:i]:
-            assert not box.padded(-1).overlaps(beside.padded(-1)), (text, other)
+    require_legible(figure, monkeypatch)
     for ax in axes:
         if legend := ax.get_legend():
             box = legend.get_window_extent()
             assert ax.bbox.contains(box.x0, box.y0) and ax.bbox.contains(box.x1, box.y1)
     assert not figure.legends
+
+
+def test_on_a_page_of_many_maps_no_text_lies_over_another(tmp_path, monkeypatch):
+    names = {"device": "number {}", "shape": "shape {}", "direction": "{}z"}
+    cells = [
+        CELLS.assign_coords({key: name.format(i) for key, name in names.items()} | {"C": 7.5 + i})
+        for i in range(12)
+    ]
+    with style.saved(tmp_path / "maps", CELLS.attrs, 3.6, 2) as figure:
+        maps.draw_maps(figure, [(part, make_found().isel(C=0), ()) for part in cells], "f0", "N")
+    require_legible(figure, monkeypatch)
 
 
 def test_a_legend_and_colours_are_as_asked_and_ours_whatever_the_users_cycle_is():

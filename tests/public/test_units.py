@@ -50,33 +50,6 @@ def test_a_frequency_counts_in_its_unit(study, value):
         assert cube.identical(snapmap.sweep(study, [900.0], plain, [25.0]))
 
 
-MS, TABLE = data_array(1.0, "ms"), [[200.0, 4.0], [2000.0, 4.0]]
-OF_SWEEP = {"N": 900.0, "f0": 1500.0, "C": 25.0}
-OTHER = (
-    *(("sweep", OF_SWEEP | {"f0": MS}, "f0"), ("sweep", OF_SWEEP | {"C": 25 * U.kg}, "C")),
-    *(("sweep", OF_SWEEP | {"N": data_array(900.0, "m/s^2")}, "N"),),
-    ("threshold", {"f0": 1e3, "C": 25.0, "axes": {"thickness": [2, 3] * U.s}}, "axes.thickness"),
-    ("srs_test", {"srs": [[1 * U.s, 9.0], [2 * U.s, 9.0]], "C": 25.0}, "srs"),
-    ("vibration", {"psd": [[20 * U.m, 1], [30 * U.m, 1]], "duration": 1.0, "C": 25.0}, "psd"),
-    ("vibration", {"psd": TABLE, "duration": 1 * U.kg, "C": 25.0}, "duration"),
-    ("tolerance", {**OF_SWEEP, "scatters": {"span": 1 * U.s}}, "scatters.span"),
-    (
-        "calibrate",
-        {
-            "shots": {"N": [1, 2, 3], "tripped": [0, 1, 1], "f0": data_array([1.0] * 3, "m")},
-            **{"unknowns": {"thickness": (1.8, 2.2)}, "C": 25.0},
-        },
-        "shots",
-    ),
-)
-
-
-@pytest.mark.parametrize(("name", "arguments", "key"), OTHER)
-def test_an_argument_in_a_unit_of_another_dimension_is_a_line(study, name, arguments, key):
-    with pytest.raises(ValueError, match=rf"(?s)\A{key}\b.* (does not convert|has a unit)"):
-        getattr(snapmap, name)(study, **arguments)
-
-
 def test_a_value_of_a_study_in_a_unit_of_another_dimension_is_a_line(handout):
     drop = {"drop": {"height": 1 * U.s, "duration": 500}}
     wrong = (("pulse", drop, "pulse.drop.height"), ("horizon", 1 * U.m, "horizon"))

@@ -1,6 +1,5 @@
 """Pulses, records, trains and drops against closed forms, single blows and other codes."""
 
-import itertools
 import math
 import re
 
@@ -151,20 +150,6 @@ RUNS += [(make_train(PARTS), 700.0, 1e6 / 249.0, 1400)]
 def test_the_kernel_follows_the_plain_loop_under_every_pulse(handout, pulse, N, f0, steps):
     model = build_model(handout, Cosines(modes=3))
     assert_followed(model, pulse, N, f0, 25.0, 0.2, steps)
-
-
-def test_shapes_and_directions_are_axes(handout):
-    """Each point of them is, bit for bit, what it is alone."""
-    how = {"model": "cosines"}
-    asked = {"N": [700.0, 1100.0], "f0": [1500.0, 5000.0], "C": [0.025]}
-    cube = snapmap.sweep(
-        Study(handout, pulse=["half sine", "sawtooth"], direction="both", **how), **asked
-    )
-    assert cube.outcome.dims == ("shape", "direction", "C", "f0", "N")
-    for shape, way in itertools.product(["half sine", "sawtooth"], ["+z", "-z"]):
-        alone = snapmap.sweep(Study(handout, pulse=shape, direction=way, **how), **asked)
-        for key in ("t_snap", "outcome"):
-            np.testing.assert_array_equal(cube[key].sel(shape=shape, direction=way), alone[key])
 
 
 def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):

@@ -54,14 +54,18 @@ DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_devices_by_name_and_their_values_are_axes(handout, model):
+def test_devices_by_name_their_values_shapes_and_directions_are_axes(handout, model):
     devices = {name: varied(handout, **values) for name, values in DEVICES.items()}
     how = {"horizon": 200.0, "threads": 2} | MODELS[model]
-    cube = snapmap.sweep(Study(devices, **how), **SHOCK, axes={"spring": [5.0, 6.5]})
-    assert cube.outcome.dims == ("device", "spring", "C", "f0", "N")
-    for (name, device), spring in itertools.product(devices.items(), [5.0, 6.5]):
-        alone = snapmap.sweep(Study(varied(device, spring=spring), **how), **SHOCK)
-        assert same(cube.sel(device=name, spring=spring), alone)
+    shapes, axes = ["half sine", "sawtooth"], {"spring": [5.0, 6.5]}
+    study = Study(devices, pulse=shapes, direction="both", **how)
+    cube = snapmap.sweep(study, **SHOCK, axes=axes)
+    assert cube.outcome.dims == ("device", "spring", "shape", "direction", "C", "f0", "N")
+    each = itertools.product(devices, axes["spring"], shapes, ["+z", "-z"])
+    for name, spring, shape, way in each:
+        device = varied(devices[name], spring=spring)
+        alone = snapmap.sweep(Study(device, pulse=shape, direction=way, **how), **SHOCK)
+        assert same(cube.sel(device=name, spring=spring, shape=shape, direction=way), alone)
 
 
 def document(**sweep):

@@ -60,8 +60,8 @@ WHOLE = {"N": np.linspace(600, 2400, 16), "f0": np.geomspace(300, 10e3, 16), "C"
 
 @pytest.fixture(autouse=True)
 def small_jobs(monkeypatch):
-    """Make jobs so short that a plane of 256 cells falls into some twenty slabs."""
-    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", seconds(WHOLE) / 12)
+    """Make jobs so short that a plane of 256 cells falls into seven slabs."""
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", seconds(WHOLE) / 4)
 
 
 def write_all(whole, folder, code=""):

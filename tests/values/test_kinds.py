@@ -47,25 +47,21 @@ def test_objects_with_units_give_the_bits_of_text(name, text, others):
 
 
 EXACT = {
+    "Length": {"600um": 600.0, "600 µm": 600.0, " 0.6 mm\n": 600.0, ".6e0 mm": 600.0},
     "Stiffness": {"20 mN/m": 0.02, "3 N/m": 3.0, "2 kN/m": 2000.0, "0.5 uN/um": 0.5},
-    "Density": {"2.33 g/cm^3": 0.00233, "2330 kg/m^3": 0.00233},
-    "Mass": {"1e-8 kg": 1e4, "3 mg": 3e6, "7 µg": 7e3, "none": 0.0},
+    "Density": {"2.33 g/cm**3": 0.00233, "2330 kg/m³": 0.00233, "2330 kg m^-3": 0.00233},
+    "Modulus": {"150000 N/mm^2": 150000.0},
+    "Mass": {"1e-8 kg": 1e4, "3 mg": 3e6, "7 µg": 7e3, "0.1 ug": 100.0, "none": 0.0},
     "Temperature": {"300 K": 26.85, "-40 degC": -40.0, "0.15 K": -273.0},
     "Stress": {"-11 MPa": -11.0, "0.15 GPa": 150.0, "-2e3 Pa": -0.002, "3 N/m^2": 3e-6},
     "Frequency": {"1.5 kHz": 1500.0, "30 1/s": 30.0, "2 MHz": 2e6},
     "PulseTime": {"0.5 ms": 500.0, "2 s": 2e6, "1e3 us": 1e3},
     "Acceleration": {"9.81 m/s^2": 9.81e-6, "1 um/us^2": 1.0},
-    "Rate": {"4e-4 /us": 4e-4, "50 /s": 5e-5},
+    "Rate": {"4e-4/us": 4e-4, "4e-4 1 / us": 4e-4, "0 /us": 0.0, "50 /s": 5e-5},
     "Expansion": {"-63e-6 /K": -63e-6},
-    "Share": {"12.5 %": 0.125, "0.1 %": 0.001},
-    "Damper": {"25 uN*us/um": 25.0, "0.001 kg/s": 1000.0},
+    "Share": {"12.5 %": 0.125, "5%": 0.05},
+    "Damper": {"25 uN*us/um": 25.0, "0.001 kg/s": 1000.0, "0.2 mN*s/m": 200.0},
     "Contact": {"hard": np.inf, "40 N/m": 40.0},
-}
-REFUSED = {
-    "Frequency": ("1 rad/s", "1 turn/s", "0 Hz", "3 dB"),
-    "Share": ("100 %", "0 %", "0.5", "3 dB"),
-    "Temperature": ("0 K", "-273.15 degC", "70 degF"),
-    "Stiffness": ("0 N/m", "-1 N/m", "inf N/m", "3 N"),
 }
 
 
@@ -74,9 +70,6 @@ def test_text_has_the_very_float_of_its_number_in_internal_units(name):
     kind = kind_of(getattr(quantities, name))
     for text, number in EXACT[name].items():
         assert kind.read(text) == kind.take(text) == number
-    for text in REFUSED.get(name, ()):
-        with pytest.raises(ValueError, match=f"^'{text}' .*; write "):
-            kind.read(text)
 
 
 def test_a_list_of_a_config_ascends_and_a_value_counts_once_in_any_unit():

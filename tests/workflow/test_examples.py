@@ -1,5 +1,6 @@
 """Each example config, of the folder and of the documents, runs in small, to the end."""
 
+import random
 import re
 import shutil
 from pathlib import Path
@@ -7,11 +8,12 @@ from pathlib import Path
 import pytest
 import yaml
 from products import assert_whole
-from small_studies import SHOTS
+from small_studies import EVERY_PRODUCT, SHOTS, changed
 from small_workflow import snakemake
 
 from snapmap.applications.whole import load_config
 from snapmap.config.yaml_file import read_document
+from snapmap.values.faults import Faults
 
 CHEAP = {"name": "cosines", "modes": 3}
 ROOT = Path(__file__).parents[2]
@@ -74,6 +76,7 @@ def folder(root, tmp_path, monkeypatch):
     """One with the files that examples name."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "shots.csv").write_text(SHOTS)
+    (tmp_path / "points.csv").write_text("N,f0 (Hz),name\n812.5,1234.5,a first one\n")
     shutil.copy(root / "config" / "half_sine.csv", tmp_path / "shock.csv")
     shutil.copy(root / "examples" / "laws" / "cubic_damping.py", tmp_path / "mylaws.py")
     return tmp_path
@@ -90,3 +93,50 @@ def test_an_example_runs_whole(root, folder, name):
     (config := folder / "mine.yaml").write_text(yaml.safe_dump(small(EXAMPLES[name])))
     snakemake(root, folder, config)
     assert_whole(folder, load_config(read_document(config)))
+
+
+RARE = changed(
+    yaml.safe_load(EVERY_PRODUCT),
+    **{"device__strength_modulus": 10, "device__damper_exponent": 0.7, "skip": True},
+    **{"device__modulus_slope": "-63e-6 /K", "marks": "points.csv", "title": "Rare, and whole"},
+)
+RARE["devices"] = {"first": RARE.pop("device")}
+RARE["devices"]["the_other-1"] = changed(RARE["devices"]["first"], beam__thickness="1.85 um")
+"""What no example has."""
+
+
+def crossed(seed):
+    """An example, small, with up to three sections of others in place of or beside its own."""
+    draws = random.Random(seed)
+    wholes = [*map(small, [*EXAMPLES.values(), yaml.safe_load(EVERY_PRODUCT), *[RARE] * 4])]
+    own, *others = draws.sample(wholes, 1 + draws.choice([1, 2, 3]))
+    for other in others:
+        key = draws.choice(sorted({*other} - {"sweep"}))
+        left = {"device": "devices", "devices": "device"}.get(key)
+        own = {name: own[name] for name in own if name != left} | {key: other[key]}
+    return own
+
+
+def read_or_refused(document):
+    """The study of a document, or None where lines refuse it."""
+    try:
+        return load_config(document)
+    except Faults as error:
+        assert all(": " in line for line in error.args)
+
+
+def test_sections_of_several_examples_are_read_together_or_refused_in_lines(folder):
+    read = [read_or_refused(crossed(seed)) is not None for seed in range(80)]
+    assert sum(read) > 40
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(12))
+def test_sections_of_several_examples_run_whole_or_are_refused_in_lines(root, folder, seed):
+    (config := folder / "mine.yaml").write_text(yaml.safe_dump(crossed(seed)))
+    code, output = snakemake(root, folder, config, check=False)
+    assert "Traceback" not in output, output
+    if code == 0:
+        assert_whole(folder, load_config(crossed(seed)))
+    else:
+        assert not (folder / "results").exists(), output

@@ -297,15 +297,6 @@ def test_a_quiet_run_lists_what_it_makes(root, tmp_path):
         assert "Nothing to be done" in snakemake(root, tmp_path, config, "--dry-run")[1]
 
 
-def test_without_snakemakes_metadata_another_study_is_seen(clone, finished, tmp_path):
-    folder = shutil.copytree(finished[0], tmp_path / "study")
-    for path in (folder / ".snakemake" / "metadata").iterdir():
-        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    (config := folder / "changed.yaml").write_text(TINY.replace("1.9 um", "1.7 um"))
-    _, output = snakemake(clone, folder, config, "--dry-run")
-    assert planned_rules(output).keys() - {"all"} == RULES
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("ends", ["edited", "killed"])
 def test_an_interrupted_growth_loses_nothing_and_joins_no_other_code(clone, copied, ends):

@@ -240,9 +240,11 @@ def draw_maps(
         field, named = _fill_map(ax, panels[place], x, y, own_points, shown, look)
         fields, names = [*fields, field], names | named
         ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
-        if place % columns:
+        if rows > 1:  # the name of an axis may be longer than a map is high
+            figure.supylabel(ax.get_ylabel(), size=ax.yaxis.label.get_size())
+        if rows > 1 or place % columns:
             ax.set_ylabel("")
-            ax.tick_params(axis="y", labelleft=False)
+        ax.tick_params(axis="y", labelleft=place % columns == 0)
         if place + columns < len(panels):
             ax.set_xlabel("")
             ax.tick_params(axis="x", labelbottom=False)

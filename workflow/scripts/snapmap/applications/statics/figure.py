@@ -60,8 +60,8 @@ def draw_energy(ax: Axes, statics: xr.Dataset) -> Axes:
     if statics.barrier > 0:
         at, words = statics.rise - statics.saddle, f"barrier\n{plain(statics.barrier.item())} pJ"
         ax.vlines(at, 0, statics.barrier, **PEAK)
-        beside = {"ha": "left", "va": "center", "multialignment": "left"}
-        ax.annotate(words, (at, statics.barrier / 3), (3, 0), **beside, **NOTE)
+        beside = {"ha": "right", "va": "center"}
+        ax.annotate(words, (at, statics.barrier / 3), (-3, 0), **beside, **NOTE)
     return ax
 
 
