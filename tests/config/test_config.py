@@ -248,7 +248,9 @@ OF_DEVICES = (
 )
 OF_SWEEPS = (
     *(("model.modes", {"model__modes": "5"}), ("model.cosines", {"model__cosines": -1})),
-    ("sweep.N", {"sweep__N": [1, 2, 1.0]}),
+    *(("sweep.N", {"sweep__N": [1, 2, 1.0]}), ("sweep.N[1]", {"sweep__N": [900, -1000]})),
+    ("histories[0].N", {"histories": [{"N": -1000, "f0": "1 kHz", "C": "1 uN*us/um"}]}),
+    ("maps[0].at.N", {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}),
     ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
     *(("sweep.f0", {"sweep__f0": f0}) for f0 in (MISSING, ["1 kHz", "1000 Hz"])),
     *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
@@ -271,7 +273,7 @@ OF_REQUIREMENTS = (
     ("requirements[0].duration", {}, shaken("20 Hz", "1e-9 s")),
     ("requirements[0].start", FREE, RESET),
     ("requirements[0].shape", {"pulse": DROP}, BLOW),
-    ("requirements[0].rise", {}, BLOW | {"rise": "20 %"}),
+    *((f"requirements[0].{key}", {}, BLOW | {key: n}) for key, n in (("rise", "20 %"), ("N", -1))),
     ("requirements[0].snaps", {}, ANY | {"survives": False}),
 )
 FAULTY = (
@@ -524,18 +526,6 @@ def test_of_what_is_usual_nothing_is_told(monkeypatch):
     assert not any("usual" in line for config in configs for line in doubts(load_config(config)))
     for path in (ROOT / "config").glob("*.yaml"):
         assert doubts(load_config(read_document(path))) == [], path.name
-
-
-def test_no_door_takes_an_amplitude_below_0():
-    """But a blow of a train may point the other way."""
-    shock = {"N": -1000, "f0": "1 kHz"}
-    sections = {"histories": [shock | {"C": "1 uN*us/um"}], "sweep__N": [900, -1000]}
-    sections |= {"requirements": [shock | {"name": "drop", "snaps": False}]}
-    sections |= {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}
-    for key, value in sections.items():
-        assert "N" in (line := only_fault(changed(**{key: value}))) and "-1000 is not " in line
-    train = [{"N": 1, "duration": "1 ms"}, {"N": -0.5, "duration": "1 ms"}]
-    load_config(changed(pulse={"train": train}, sweep__f0=MISSING))
 
 
 def test_a_mark_has_a_name_that_can_be_shown(tmp_path, monkeypatch):

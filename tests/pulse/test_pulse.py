@@ -116,8 +116,8 @@ def test_short_pulses_trip_by_their_velocity_change(handout):
 
 
 def test_long_pulses_without_a_jump_trip_at_the_static_limit(handout):
-    f0 = 0.01 * handout.own_frequency / (2 * math.pi) * 1e6
-    asked = {"model": "cosines", "horizon": 300.0, "direction": "both", "pulse": [*SHAPES]}
+    f0 = 0.02 * handout.own_frequency / (2 * math.pi) * 1e6
+    asked = {"model": "3 cosines", "horizon": 300.0, "direction": "both", "pulse": [*SHAPES]}
     edges = snapmap.threshold(Study(handout, **asked), [f0], [25.0]).squeeze()
     forward, back = (edges.sel(direction=way) for way in ("+z", "-z"))
     smooth = ["versed sine", "half sine", "trapezoid"]
