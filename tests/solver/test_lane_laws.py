@@ -230,14 +230,6 @@ def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
         follow(handout, COSINES, laws_of(damping=damping), 25.0)
 
 
-def test_compiling_a_law_is_said_once_before_it_begins(handout, caplog):
-    laws = laws_of(damping=lambda C, velocity, place: C * velocity**5)
-    for _ in range(2):
-        follow(handout, COSINES, laws, 25.0)
-    said = [line for line in caplog.messages if "compiling your law of damping" in line]
-    assert len(said) == 1 and said[0].endswith("once in each process, about 1 s")
-
-
 REFUSED = {
     "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
     "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),

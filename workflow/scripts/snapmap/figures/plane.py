@@ -118,7 +118,7 @@ def state_keys(panels: Iterable[xr.DataArray], states: Sequence[State]) -> Itera
 def colour_bar(ax: Axes, field: QuadMesh, label: str) -> Colorbar:
     """Add a colour bar, below the only axes of our figure that is not wide, or else beside axes."""
     width, height = ax.get_figure().bbox.size
-    is_below = style.is_ours(ax) and style.is_alone(ax) and height >= width
+    is_below = style.is_ours(ax) and ax.get_figure().axes == [ax] and height >= width
     place = "bottom" if is_below else "right"
     bar = ax.get_figure().colorbar(field, ax=ax, location=place, aspect=30, label=label)
     style.fit_labels(bar.ax)

@@ -83,15 +83,6 @@ def is_ours(where: Axes | FigureBase) -> bool:
     return isinstance(where.figure.figure, Paper)
 
 
-def is_alone(ax: Axes) -> bool:
-    """Tell whether axes are the only ones of their figure or subfigure, but for colour bars."""
-    return [other for other in ax.get_figure().axes if not _is_colour_bar(other)] == [ax]
-
-
-def _is_colour_bar(ax):
-    return ax.get_label() == "<colorbar>"
-
-
 def labelled(axes: Iterable[Axes]) -> list[Artist]:
     """Collect labelled, visible artists of axes, each label once, in grey if lines share it."""
     keys: dict[str, Artist] = {}

@@ -9,7 +9,7 @@ from ..numerics.kernels import inlined, widen_vectors
 from .kernel.laws import LaneLaws
 from .kernel.rows import LANES
 from .law_tables import Tables
-from .laws import Laws, announce, of_user
+from .laws import Laws, of_user
 
 
 def lane_laws(laws: Laws | None, tables: Tables | None) -> LaneLaws | None:
@@ -32,7 +32,6 @@ def raise_error(laws: Laws | None, lanes: LaneLaws | None) -> None:
 @cache
 def _of_lanes(law):
     """Compile a law of damping for rows of LANES numbers, as `kernel.laws.LaneLaws` says."""
-    announce("law of damping", law, 1)
     with of_user("damping", law):
         drag = inlined(getattr(law, "py_func", law))
 

@@ -1,7 +1,6 @@
 """A user's own laws: functions in place of forces of the model."""
 
 import inspect
-import logging
 import os
 import re
 import sysconfig
@@ -19,11 +18,10 @@ from ..files.named import inside, naming, read_named, sha256_of
 from ..files.text import show
 from ..values.arguments import Argument, Reading, convert
 from ..values.faults import Faults, within
-from ..values.kinds import ANYTHING, Fitting, Kind, Number
+from ..values.kinds import ANYTHING, Kind, Number
 from ..values.quantities import Value
 from ..values.units import OF_DAMPER, require_unit
 
-logger = logging.getLogger("snapmap")
 PARAMETERS = {
     "damping": ("C", "velocity", "place"),
     "contact": ("stiffness", "overlap"),
@@ -33,8 +31,6 @@ PARAMETERS = {
 LAWS = 100_000, "write the laws alone"
 """Most bytes of a file of laws, and the remedy for a larger one."""
 
-
-Law = Annotated[Callable, Fitting("a function of numbers", callable)]
 UNIT = "unit_of_C"
 """Name, beside the laws, of the unit in which the damping counts C."""
 MODULE = "laws_of_a_study"
@@ -189,12 +185,6 @@ def _of_names(functions):
 
 
 UserLaws = Annotated[Value, LawsKind()]
-
-
-@cache
-def announce(what: str, laws: object, seconds: int) -> None:
-    """Say once that numba begins to compile a user's functions, and how long that takes."""
-    logger.warning("compiling your %s: once in each process, about %d s", what, seconds)
 
 
 def _compiled(key, law):

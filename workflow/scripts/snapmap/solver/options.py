@@ -123,8 +123,7 @@ class ModelKind(Kind):
         if name in PARTS and number.isdigit():
             return build(MODELS[name], {PARTS[name]: int(number)})
         if value not in MODELS:
-            near = nearest(value, MODELS)
-            raise ValueError(f"{self.refuse(value)}{f'; did you mean {near}?' if near else ''}")
+            raise ValueError(f"{self.refuse(value)}{nearest(value, MODELS)}")
         return MODELS[value]()
 
     def _of_section(self, value, reading):
@@ -135,8 +134,7 @@ class ModelKind(Kind):
         elif name not in [*MODELS]:
             say = describe if reading.written else show
             near = nearest(str(name), MODELS)
-            hint = f"; did you mean {near}?" if near else ""
-            wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{hint}"]
+            wrong = [f".name: {say(name)} is not one of {', '.join(MODELS)}{near}"]
         elif name in (Auto.name, Reference.name) and "laws" in value:
             wrong = [f".laws: {name} takes none; write name: elements, or cosines"]
             value = {key: value[key] for key in value if key != "laws"}

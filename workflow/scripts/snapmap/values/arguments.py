@@ -90,7 +90,7 @@ def _remedy(key, known, elsewhere):
         return elsewhere[key]
     name = str(key)[:LONGEST_KEY]
     if near := nearest(name, [*known, *elsewhere]):
-        return f"; did you mean {near}?"
+        return near
     names = [*known]
     if len(names) <= MOST_KNOWN:
         return f"; known here are {', '.join(names)}"
@@ -99,9 +99,10 @@ def _remedy(key, known, elsewhere):
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Give the known name that a misspelt one is most like, or an empty one."""
+    """Ask for the known name that a misspelt one is most like; "" if it is like none."""
     near = get_close_matches(name, known, 3, 0.75)
-    return min(near, key=lambda word: sorted(word) != sorted(name), default="")
+    word = min(near, key=lambda word: sorted(word) != sorted(name), default="")
+    return f"; did you mean {word}?" if word else ""
 
 
 def by_name(

@@ -428,8 +428,7 @@ class Word(Kind):
         value = bool(value) if is_flag else value  # of numpy or xarray
         if not isinstance(value, str | bool) or value not in self.words:
             near = nearest(str(value), [word for word in self.words if isinstance(word, str)])
-            hint = f"; did you mean {near}?" if near else ""
-            raise ValueError(f"{self.refuse(value, reading)}{hint}")
+            raise ValueError(f"{self.refuse(value, reading)}{near}")
         return value
 
     def schema(self) -> dict:

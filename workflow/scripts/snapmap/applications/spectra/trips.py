@@ -122,15 +122,9 @@ def tell_records(what: str, probe: Probe, pulse: Pulse, records: int) -> None:
     """
     rows = to_rows(probe.rows.device, 1e6 / pulse.duration, probe.rows.C, 0, (pulse,))
     under = probe._replace(rows=rows, until="edge")
-    followed = PER_RECORD * records * float(run_seconds(under).sum())
+    seconds = PER_RECORD * records * float(run_seconds(under).sum()) / probe.settings.threads
     lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
-    tell(
-        what,
-        followed / probe.settings.threads,
-        lasts,
-        "write a higher lowest frequency",
-        stacklevel=4,
-    )
+    tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=4)
 
 
 def snap_times(
