@@ -124,7 +124,7 @@ REFUSED = {
     "def contact(k, s): return open(s)": ", line 1: contact: numba cannot compile it; ",
     "damping = 1": ": damping: is not a function",
     "def force(x): return x": ", line 1: force: no two stable shapes; make it 0 at",
-    "\ndef force(x): return abs(x)*(x-8.)*(x-18.)": ", line 2: force: no two stable shapes; make it 0 a",
+    "\ndef force(x): return abs(x)*(x-8.)*(x-18.)": ", line 2: force: no two stable shapes; make",
     "def force(x)": ", line 1: SyntaxError: expected ':'",
     "raise SystemExit(0)": ", line 1: SystemExit: 0",
     "import sys\nsys.exit()": ", line 2: SystemExit",
