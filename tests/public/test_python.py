@@ -207,8 +207,8 @@ def test_a_wrong_value_of_a_study_is_one_line_that_names_it():
 def test_a_misspelt_argument_is_named_with_the_right(right_calls):
     rng = random.Random(2)
     for name, right in right_calls.items():
-        for key in parameters_of(name).keys() - {"N", "C", "f0", "x", "y", "ax"}:
-            at = rng.randrange(1, len(key))
+        for key in sorted(parameters_of(name).keys() - {"N", "C", "f0", "x", "y", "ax"}):
+            at = rng.randrange(1, len(key.rstrip("2345")))  # cosine_ is like all four of them
             wrong = key[:at] + key[at + 1 :]
             with pytest.raises(
                 TypeError, match=rf"(?m)^{wrong}: is not an argument; did you mean {key}"

@@ -149,7 +149,7 @@ class Quantity(Kind):
             array = units.numbers_in(value, self.unit)
         except ValueError as error:
             raise ValueError(f"{show(value)} {error}; write {self.need}") from None
-        if array is None or not array.size or (array.ndim and self.is_single):
+        if array is None or not array.size or array.ndim > (not self.is_single):
             raise self.refuse(value)
         worded = [number for _, number in self.words]
         wrong = array[~(self.bounds.holds(array) | np.isin(array, worded))]
