@@ -107,7 +107,9 @@ class Steps:
             longest = np.where(rests, np.maximum(self.pressed[cells.device], slow), longest)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
-        step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
+        flat = np.array([pulse.is_flat for pulse in cells.pulses])[cells.pulse]
+        most = np.where(flat, np.inf, factor * swing / FEWEST_STEPS)
+        step = np.minimum(self.factor * step, most)
         if not (np.any(speed) or np.any(shaken)):
             return step
         own = np.where(shaken, self.own_tightening[cells.device], 0.0)

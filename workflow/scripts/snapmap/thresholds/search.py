@@ -21,7 +21,7 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
-from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP, SCAN_STEP, TOGETHER
+from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, LANES, RAGGED_STEP, SCAN_STEP, TOGETHER
 from .probe import Probe, amplitudes, first_snap, refine
 from .ragged import CLEAN_REACH, RAGGED_REACH, scan_ragged
 
@@ -142,25 +142,29 @@ def find_changes(search: Search) -> Changes:
 
 
 def scan_upwards(
-    probe: Probe, static: np.ndarray, bound: np.ndarray
+    probe: Probe,
+    static: np.ndarray,
+    bound: np.ndarray,
+    step: float = SCAN_STEP,
+    together: int = TOGETHER,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the first N that snaps, upwards in the steps of the first scan.
+    """Find the first N that snaps, upwards in relative steps, some at once.
 
     static, bound: as for `scan_range`; the scan goes down to the bound where the first N snaps
     Returns N, NaN where nothing snaps, the highest N of the range, and whether nothing snaps, false
     where a run failed; all (rows,).
     """
-    N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
+    N = amplitudes(*scan_range(probe, static, bound), step)
     t_snap = np.full(N.shape, np.nan)
-    count = N.shape[1]
-    for part in np.split(np.arange(count), range(TOGETHER, count, TOGETHER)):
+    count, together = N.shape[1], max(together, LANES // len(N))
+    for part in np.split(np.arange(count), range(together, count, together)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
         t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
     first = first_snap(N, np.isfinite(t_snap))[1]
     quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
-        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], step)
         first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
     return first, np.fmax.reduce(N, axis=1), quiet
 
@@ -191,6 +195,8 @@ def scan_range(
     # mass at its stop may swing further than a lasting push moves it.
     from_bound = np.isfinite(device.stop_toward) | (start != FIRST) & ~device.is_alone
     low = np.where(from_bound[rows.device], np.minimum(low, SLACK * bound), low)
+    flat = np.array([pulse.is_flat for pulse in ahead])[rows.pulse]
+    low = np.where(flat, np.maximum(low, SLACK * bound), low)
     return low, 5 * static / press * (1 + fast) * (1 + damped)
 
 
