@@ -93,7 +93,8 @@ class Steps:
 
         speed, shaken: as `strikes` returns them
         """
-        swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
+        facts = np.array([(pulse.swings, pulse.is_flat) for pulse in cells.pulses])
+        swings, flat = np.moveaxis(facts[cells.pulse], -1, 0)
         swing = 1 / (swings * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
         if question == EDGE:
@@ -107,7 +108,6 @@ class Steps:
             longest = np.where(rests, np.maximum(self.pressed[cells.device], slow), longest)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
-        flat = np.array([pulse.is_flat for pulse in cells.pulses])[cells.pulse]
         most = np.where(flat, np.inf, factor * swing / FEWEST_STEPS)
         step = np.minimum(self.factor * step, most)
         if not (np.any(speed) or np.any(shaken)):

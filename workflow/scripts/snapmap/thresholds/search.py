@@ -142,21 +142,17 @@ def find_changes(search: Search) -> Changes:
 
 
 def scan_upwards(
-    probe: Probe,
-    static: np.ndarray,
-    bound: np.ndarray,
-    step: float = SCAN_STEP,
-    together: int = TOGETHER,
+    probe: Probe, static: np.ndarray, bound: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find the first N that snaps, upwards in relative steps, some at once.
+    """Find the first N that snaps, upwards in the steps of the first scan.
 
     static, bound: as for `scan_range`; the scan goes down to the bound where the first N snaps
     Returns N, NaN where nothing snaps, the highest N of the range, and whether nothing snaps, false
     where a run failed; all (rows,).
     """
-    N = amplitudes(*scan_range(probe, static, bound), step)
+    N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
     t_snap = np.full(N.shape, np.nan)
-    count, together = N.shape[1], max(together, LANES // len(N))
+    count, together = N.shape[1], max(TOGETHER, LANES // max(1, len(N)))
     for part in np.split(np.arange(count), range(together, count, together)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
         t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
@@ -164,7 +160,7 @@ def scan_upwards(
     quiet = np.isnan(t_snap).all(axis=1) & np.isfinite(N[:, 0])
     begins = np.isfinite(t_snap[:, 0])
     if begins.any():
-        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], step)
+        lower = amplitudes(np.where(begins, SLACK * bound, np.nan), N[:, 0], SCAN_STEP)
         first = np.where(begins, first_snap(lower, probe.snaps(lower))[1], first)
     return first, np.fmax.reduce(N, axis=1), quiet
 

@@ -20,10 +20,11 @@ from ..study.study import OF_THRESHOLDS, Study
 from ..study.variables import as_dataset, dress, flags
 from ..values.quantities import Dampers, Frequencies, Positive, PulseTimes, Refinement
 from .effort import CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
+from .population import nominal_thresholds
 from .probe import Probe, amplitudes, walk
 from .search import ISLANDS_TO, Search
 from .slow import fall, growth_rate, is_slow, slow_factor
-from .survey import STATUS, lowest, lowest_of_jumps, tell_cost
+from .survey import STATUS, lowest, tell_cost
 from .verified import find_thresholds, initial_rows, off_surfaces, split_rows, surfaces
 
 JUMP, AT_ONCE = make_pulse("trapezoid", rise=0.0, fall=0.0), 1e4
@@ -103,10 +104,11 @@ def _lowest_of(search, grid, omega, which, is_short):
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     alone = off_surfaces(exists, parts)
     search, models = search._replace(rows=rows), search.models
-    level, find = (models.levels[-1], lowest_of_jumps) if is_short else (models, lowest)
-    N[alone] = find(search.take(alone)._replace(models=level))
-    surface = np.sort(initial_rows(parts)) if is_short else np.flatnonzero(exists & ~alone)
-    N[surface] = find(search.take(surface))
+    if is_short:
+        for part, level in (alone, models.levels[-1]), (initial_rows(parts), models):
+            N[part] = nominal_thresholds(search.take(part).probe(level.ragged), search.tolerance)
+    else:
+        N[exists] = lowest(search.take(exists))
     return N.reshape(grid.shape[:-1])
 
 

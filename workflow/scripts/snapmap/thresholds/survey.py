@@ -6,10 +6,10 @@ import numpy as np
 
 from ..solver.cost import OF_THRESHOLD, steps_and_seconds, tell
 from .edges import outermost, scan, stretches
-from .effort import AT_ONCE, CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
-from .probe import Ask, Probe, lowest_snap
-from .ragged import CLEAN_REACH, RAGGED_REACH, begins_at, refine_edges
-from .search import Changes, Search, close_edges, find_changes, is_fast, scan_upwards
+from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
+from .probe import Ask, Probe
+from .ragged import CLEAN_REACH, begins_at, refine_edges
+from .search import Changes, Search, close_edges, find_changes, is_fast
 
 OPEN_BAR = 10 * RAGGED_STEP
 """Largest relative bar of a ragged row whose changes are refined. Also how far below a clean
@@ -167,22 +167,6 @@ def lowest(search: Search) -> np.ndarray:
     decides = search.probe(search.models.ragged)
     edges = refine_edges(decides, edges, changes.ragged, search.tolerance)
     return outermost(edges.row, edges.high, n_rows)[0]
-
-
-def lowest_of_jumps(search: Search) -> np.ndarray:
-    """Find N_first of pulses that are over within a step, (rows,); NaN where nothing snaps.
-
-    The best model looks around the first N at which the cheap one snaps, or else it snaps itself.
-    """
-    models, N = search.models, np.full(search.rows.f0.size, np.nan)
-    for model, beyond in (models.scans, RAGGED_REACH), (models.ragged, 1.0):
-        part = search.take(left := np.flatnonzero(np.isnan(N)))
-        if left.size:
-            scans, decides = part.probe(model), part.probe(models.ragged)
-            first, *_ = scan_upwards(scans, models.static, part.bound, ISLAND_STEP, AT_ONCE)
-            near = first / RAGGED_REACH, beyond * first
-            N[left] = lowest_snap(decides, near, search.tolerance, 2 * RAGGED_STEP)
-    return N
 
 
 def _survey_level(search):
