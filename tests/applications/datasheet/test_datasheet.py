@@ -113,7 +113,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
         )
         assert first[2] == worst.shock and ("not valid" in first[0]) == (worst.travel_over_rise > 5)
     lines = text.splitlines()
-    folded = [row_of("\n".join(lines[i:]), f"its other corners, {n}") for i, n in ((0, 7), (0, 3))]
+    folded = [row_of("\n".join(lines[i:]), f"its other cases, {n}") for i, n in ((0, 7), (0, 3))]
     assert [cells[3:5] for cells in folded] == [["20 to 80", "25 to 200"]] * 2
     ends = [float(end) for end in folded[0][7].split(" to ")]
     known = sorted(row.margin for row in rows if row.requirement == "hit")[1:]
