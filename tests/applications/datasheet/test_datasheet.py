@@ -58,7 +58,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     assert margin.startswith(f"{verdict.N_first / 500.0:.4g}")
     assert float(strength[0]) == pytest.approx(900 / moved.stress_max, rel=1e-2)
     assert row_of(text, "0.025")[0] == f"{100 * made['yield'].item():.1f} %"
-    assert "at 95 % confidence: takes 2995 devices.\n" in text and "Doubted: a doubt\n" in text
+    assert "at 95 % confidence: takes 2995 devices.\n" in text and "Warning: a doubt\n" in text
     where = "drop, half sine +z, 1 ms, C = 0.025, 20 degC"
     assert row_of(text, "travel of the mass towards")[2] == where
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)

@@ -72,7 +72,7 @@ def datasheet(
         sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
-        sheets += [f"Doubted: {line}\n" for line in doubts]
+        sheets += [f"Warning: {line}\n" for line in doubts]
         sheets += required_shocks(device, of_device, f"C, {unit}")
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
