@@ -1,5 +1,8 @@
 """Kinds of values: text, plain numbers and objects with units give the same bits, or a line."""
 
+import inspect
+import re
+
 import numpy as np
 import pint
 import pytest
@@ -7,7 +10,10 @@ import xarray as xr
 
 import snapmap
 from snapmap.values import quantities
-from snapmap.values.kinds import Quantity, Several, kind_of
+from snapmap.values.arguments import Argument, by_name, convert, one_time
+from snapmap.values.faults import Faults, at_key, few, line_at, name_of
+from snapmap.values.kinds import ByName, Items, Pair, Quantity, Several, Whole, Word, kind_of
+from snapmap.values.units import of_file, require_unit, spelling, spelling_of, used
 
 U = pint.UnitRegistry()
 KINDS = {
@@ -84,13 +90,150 @@ def test_a_list_of_a_config_ascends_and_a_value_counts_once_in_any_unit():
             kind.take(twice)
 
 
+WRONG = {
+    "Length": {"3 kg": "does not convert to um", "0 um": "is not above 0", "3": "has no unit"},
+    "Gap": dict.fromkeys(("9e-16 um", "1e16 um"), "is not between 1e-15 and 1e+15 um"),
+    "Part": {"3 g": "is not a plain number", "1e999": "is not finite"},
+    "Amplitude": {"1e16": "is not between 0 and 1e+15", "-1": "is not from 0"},
+    "Frequency": {"1 rpm": "counts angles or events, which is not Hz (1 Hz is 2 pi rad/s)"},
+    "Share": dict.fromkeys(("100 %", "0 %", "1 dB"), "is not between 0 % and 100 %"),
+    "Temperature": {"-300 degC": "is not above -273.15", "3 degF": "does not convert to degC"},
+    "Restitution": {"1.5": "is not from 0 to 1"},
+    "Contact": {"soft": "is not a number with a unit"},
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_text_of_a_config_is_refused_with_what_is_right(name):
+    kind = kind_of(getattr(quantities, name))
+    such = f"'{kind.example}'" if kind.unit else kind.example
+    right = f"{kind.noun} such as {such}{', or the word hard' * (name == 'Contact')}"
+    for text, words in WRONG[name].items():
+        with pytest.raises(ValueError, match=rf"^'{text}' {re.escape(words)}; write {right}$"):
+            kind.read(text)
+
+
+LENGTH, TRIED = Quantity("a length", "um", "600 um"), Word(("a", "bc", True))
+NUMBERS, RANGE = Several(Quantity("a number", "", "1", "[0, inf)")), {"from": 0, "to": 2}
+READ = {
+    "an empty list is not a list or a range {from, to, points, spacing}, each": (NUMBERS, []),
+    ".to: missing; write a number from 0\n.points: missing; write a": (NUMBERS, {"from": 1}),
+    ".points: 1 needs equal ends; write": (NUMBERS, RANGE | {"points": 1}),
+    ".points: 2 needs from and to that differ": (NUMBERS, RANGE | {"points": 2, "to": 0}),
+    ".spacing: 'logs' is not one of linear, log; did": (
+        NUMBERS,
+        RANGE | {"points": 2, "spacing": "logs"},
+    ),
+    ".spacing: log needs from and": (NUMBERS, RANGE | {"points": 2, "spacing": "log"}),
+    "[1]: 'x' is not a plain number; write a number such as 1": (NUMBERS, [2, "x"]),
+    **{f"{n} is not a whole number from 1 to 100": (Whole(1, 100), n) for n in (0, 101, 2.0)},
+    "1 is not a whole number from 2": (Whole(2), 1),
+    "a list is not a pair of values: its range, each a length above 0": (Pair(LENGTH), [1]),
+    ".x: '1' has no unit; write a length such as '600 um'": (ByName(LENGTH), {"x": "1"}),
+    "'x' is not a, bc or true": (TRIED, "x"),
+}
+TAKEN = {
+    **{f"{n} is not a number above 0 in um": (LENGTH, n) for n in (-1.0, True, [[1.0]])},
+    "-2.0 is not a number above 0 in um": (LENGTH, [1.0, -2.0]),
+    "a DataArray in cd does not convert to um; write a number": (LENGTH, variable(3, "cd")),
+    "a DataArray in m+s has an unknown unit, 'm+s'; write a": (LENGTH, variable(3, "m+s")),
+    "a DataArray in um has a unit; write a number": (NUMBERS.of, variable(3, "um")),
+    "[1.0, 1.0] is not a number or several, each once, from 0": (NUMBERS, [1.0, 1.0]),
+    "[1, 2, 3] is not a pair of numbers, low and high": (Pair(LENGTH), [1, 2, 3]),
+    "3 is not a list, each a number above 0 in um": (Items(LENGTH), 3),
+    "3 is not a mapping": (ByName(LENGTH), 3),
+    '1 is not "a", "bc" or True': (TRIED, 1),
+}
+
+
+@pytest.mark.parametrize(("way", "wrong"), [("read", READ), ("take", TAKEN)])
+def test_lists_words_and_pairs_are_refused_in_the_words_of_a_config_or_of_python(way, wrong):
+    for line, (kind, value) in wrong.items():
+        with pytest.raises(ValueError, match=rf"^{re.escape(line)}"):
+            getattr(kind, way)(value)
+
+
+def test_right_values_of_parts_are_converted_each():
+    assert Pair(LENGTH).read(["1 nm", "2 um"]) == Pair(LENGTH).take([0.001, 2.0]) == (0.001, 2.0)
+    assert Items(LENGTH).read(["2 um", "1 nm"]) == [2.0, 0.001]
+    assert ByName(LENGTH).take({"x": 3.0}) == {"x": 3.0}
+    assert [Whole(1, 3).take(number) for number in (1, np.int8(3))] == [1, 3]
+    assert [TRIED.take(word) for word in ("a", True, np.bool_(True))] == ["a", True, True]
+    powers = NUMBERS.read({"from": 1, "to": 4, "points": 3, "spacing": "log"})
+    assert powers == pytest.approx([1, 2, 4])
+
+
+SPELT = {
+    "uN*us^3/um": ("uN us3 um-1", "µN µs$^{3}$/µm", "µN\u00a0µs³/µm", "uN us^3 um^-1"),
+    "kg/m^2": ("kg m-2", "kg/m$^{2}$", "kg/m²", "kg m^-2"),
+    "1/K": ("K-1", "K$^{-1}$", "1/K", "1/K"),
+}
+
+
+@pytest.mark.parametrize("unit", SPELT)
+def test_a_unit_is_spelt_for_files_figures_and_the_page_and_read_back(unit):
+    assert (*spelling(unit), of_file(spelling(unit).files)) == SPELT[unit]
+
+
+def test_values_are_told_in_the_units_that_users_read():
+    assert used("150000.0 MPa", "GPa") == "150 GPa" and used("1e-05 um/us^2", "m/s^2") == "10 m/s^2"
+    assert used("0.00233 ng/um^3", "kg/m^3", True) == "2330\u00a0kg/m³"
+    assert used("3.0 um", "") == "3 um" and used("half sine", "none") == "half sine"
+    assert spelling_of("2 m/s^2", "um/us^2") == ("m/s^2", 1e-6)
+    assert spelling_of(3.0, "um") == ("um", 1.0)
+    assert [*map(require_unit, ("1", "uN/um", "uN*us^3/um^3"))] == ["", "uN/um", "uN*us^3/um^3"]
+    for wrong in ("9**9", "um*flurb"):
+        with pytest.raises(ValueError, match=r"is not a unit; write one|has an unknown unit"):
+            require_unit(wrong)
+
+
+def test_a_fault_has_the_path_of_its_key_and_many_are_few():
+    assert name_of(()) == "config" and name_of(("a", 0, "b c", "d")) == "a[0]['b c'].d"
+    assert name_of(["x" * 40]) == "x" * 40 and name_of(["x" * 41]).startswith("['xxx")
+    lines = {
+        "b": "a: b",
+        ".b: c": "a.b: c",
+        "[1]: c": "a[1]: c",
+        "a: c": "a: c",
+        "a.b: c": "a.b: c",
+    }
+    assert {line: line_at(["a"], line) for line in lines} == lines
+    assert line_at((), ".b: c") == "b: c"
+    assert few(["x"] * 3) == ["x"] * 3 and few(["x", *"abc"]) == ["x (and 3 others of this list)"]
+    with pytest.raises(ValueError, match=r"^\.a\[1\]: words$"), at_key("a", 1):
+        raise ValueError("words")
+
+
+def test_names_of_a_call_are_known_missing_or_asked_for():
+    sizes = {key: Argument(LENGTH) for key in ("span", "rise")}
+    given = {"spam": 1.0, "x": 1.0, "y": 1.0}
+    lines = ["rise: is none", "spam: unknown key; did you mean span?"]
+    lines += ["x: unknown key; known here are span, rise", "y: unknown key; write z"]
+    with pytest.raises(Faults) as caught:
+        convert(sizes, given, faults={"rise": "is none"}, elsewhere={"y": "; write z"})
+    assert [*caught.value.args] == [*lines, "span: missing; write a number above 0 in um"]
+    many = {f"key_{number}": Argument(LENGTH, True, True) for number in range(21)}
+    assert convert(many, {"key_0": None, "key_1": 2.0}) == {"key_0": None, "key_1": 2.0}
+    with pytest.raises(Faults, match=r"^abc: .* here are( key_\d+,){9} key_\d+ and 11 others$"):
+        convert(many, {"abc": 1.0})
+    excluded = {"duration": "excludes f0, which is 1/duration; write one of them"}
+    assert one_time(["f0", "duration"]) == excluded and one_time([], True) == one_time(["f0"]) == {}
+    assert one_time([]) == {"f0": "missing; write f0 or duration"}
+    parameters = inspect.signature(lambda a, b, *, c: None).parameters
+    values, faults = by_name("f", parameters, (1, 2, 3), {"a": 4, "c": 5})
+    assert values == {"a": 4, "b": 2, "c": 5} and faults == {
+        "f": "takes 2 arguments without a name, not 3",
+        "a": "comes twice; write it once",
+    }
+
+
 @pytest.mark.parametrize("name", KINDS)
 def test_a_value_of_another_unit_is_refused_in_a_line(name):
     for wrong in (3 * U.candela, variable(3.0, "cd"), variable(3.0, "m s s"), "3 cd", "3 ", ""):
         of_text = [KINDS[name].read] if isinstance(wrong, str) else []
-        for convert in (KINDS[name].take, *of_text):
+        for way in (KINDS[name].take, *of_text):
             with pytest.raises(ValueError) as caught:
-                convert(wrong)
+                way(wrong)
             assert "\n" not in str(caught.value)
 
 
@@ -103,6 +246,11 @@ def test_an_example_is_read_and_taken_alike_and_a_bare_number_is_no_text(name):
         kind.read(2.0)
     for word, number in kind.words:
         assert kind.take(word) == kind.read(word) == number
+    numbers = kind.schema()
+    pattern = (numbers.get("anyOf") or [numbers])[0]["pattern"]
+    for number in filter(kind.bounds.holds, (0.25, 150.0)):
+        written = kind.write(number)
+        assert kind.read(written) == pytest.approx(number) and re.match(pattern, written)
     low, high = kind.bounds.low, kind.bounds.high
     for end, fits in ((low, kind.bounds.low_fits), (high, kind.bounds.high_fits)):
         assert kind.bounds.holds(end) == fits

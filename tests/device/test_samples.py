@@ -1,0 +1,121 @@
+"""Scatter: distributions and samples, and what cannot scatter."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+from varied import varied
+
+from snapmap.device.samples import CUT, Plan, Scatters, Tolerances
+from snapmap.values.arguments import PYTHON
+from snapmap.values.kinds import CONFIG, kind_of
+
+SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
+SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
+
+
+@pytest.mark.parametrize("scatter", SCATTERS)
+def test_samples_have_the_moments_of_their_distribution(handout, scatter):
+    law = dict([scatter]) if isinstance(scatter, tuple) else scatter
+    plan = Plan(handout, kind_of(Scatters).take({"thickness": law}))
+    values = plan.values(plan.points(4096, seed=3)[0])["thickness"]
+    assert values.mean() == pytest.approx(2.0, rel=2e-3)
+    assert values.std() == pytest.approx(SCATTERS[scatter], rel=2e-2)
+
+
+def test_samples_are_seeded_grow_and_move_together(handout):
+    scatters = {"thickness": 0.05, "rise": "2 %", "depth": {"uniform": 0.1}}
+    plan = Plan(handout, kind_of(Scatters).take(scatters), together=[["thickness", "depth"]])
+    assert plan.names == ["thickness+depth", "rise"]
+    few, many = plan.points(100, 7), plan.points(1000, 7)
+    np.testing.assert_array_equal(few, many[:, :100])
+    assert (plan.points(100, 8) != few).all()
+    values = plan.values(many[0])
+    assert stats.spearmanr(values["thickness"], values["depth"])[0] == pytest.approx(1)
+    assert abs(stats.spearmanr(values["thickness"], values["rise"])[0]) < 0.05
+    assert abs(stats.spearmanr(many[0, :, 0], many[1, :, 0])[0]) < 0.05
+
+
+EXACT = [
+    (0.1, 2.0, [1.9, 2.0, 2.1]),
+    ("5 %", -2.0, [-2.1, -2.0, -1.9]),
+    ({"uniform": 0.3}, 2.0, 2.0 + 0.3 * (2 * stats.norm.cdf([-1, 0, 1]) - 1)),
+    (
+        {"lognormal": 0.6},
+        2.0,
+        2.0 / np.sqrt(1.09) * np.exp(np.sqrt(np.log(1.09)) * np.arange(-1, 2)),
+    ),
+]
+
+
+@pytest.mark.parametrize(("law", "nominal", "values"), EXACT)
+def test_a_standard_deviation_aside_lie_the_values_of_a_law_which_is_written_as_it_is_read(
+    law, nominal, values
+):
+    scatter = kind_of(Scatters).take({"residual_stress": law})["residual_stress"]
+    u = stats.norm.cdf([-1, 0, 1])
+    np.testing.assert_allclose(scatter.values(nominal, u), values, rtol=2e-7)
+    assert kind_of(Scatters).take({"rise": scatter.written})["rise"] == scatter
+
+
+def test_a_truncated_law_ends_at_two_deviations_and_counts_are_powers_of_two():
+    scatter = kind_of(Scatters).take({"N": {"truncated": "1 %"}})["N"]
+    assert scatter.values(1.0, np.array([0.0, 0.5, 1.0])).tolist() == [0.98, 1.0, 1.02]
+    asked = [(1000, None), (5000, None), (5000, 7), (6, 7)]
+    made = [Tolerances({}, samples=samples, index_samples=some) for samples, some in asked]
+    assert [each.power for each in made] == [512, 1024, 4, 4]
+    assert [made[1].followed(cells) for cells in (1, 1000, 10**5)] == [5000, 1000, 64]
+    assert made[3].followed(10**5) == 6
+
+
+WRONG = [
+    ({}, {}, "tolerances: empty; write a value that scatters, such as thickness"),
+    ({"contact": math.inf}, {"contact": 1.0}, "tolerances.contact: hard, so it cannot scatter"),
+    ({}, {"stop_away": 1.0}, "tolerances.stop_away: none in this device, so it cannot scatter"),
+    ({"mass": 0.0}, {"spring": 0.1}, "tolerances.spring: needs a mass; leave it out"),
+    ({}, {"gap": "5 %"}, "tolerances.gap: a share of 0 is 0; write a width with a unit"),
+    ({}, {"gap": {"lognormal": 1.0}}, "tolerances.gap: lognormal needs a nominal value above 0"),
+    ({}, {"span": 1.0}, "tolerances.together: rise has no tolerance"),
+    ({}, {"span": 1.0, "rise": 1.0}, "tolerances.together: span comes twice"),
+    (
+        {},
+        {"depth": 9.0},
+        "tolerances.depth: a sample has the impossible value -31.98; write .* 22$",
+    ),
+]
+
+
+@pytest.mark.parametrize(("values", "scatters", "line"), WRONG)
+def test_what_cannot_scatter_is_refused_with_its_reason(handout, values, scatters, line):
+    scatters = {key: kind_of(Scatters).take({key: law})[key] for key, law in scatters.items()}
+    together = [["span", "rise"], ["span"]] if "span" in scatters else ()
+    with pytest.raises(ValueError, match=rf"^{line}"):
+        Plan(varied(handout, **values), scatters, together).values(np.array([[1e-9]]))
+
+
+LAWS = "normal, uniform, lognormal, truncated"
+WRITTEN = [
+    (PYTHON, "thickness", {"uniform": 1, "normal": 2}, f"one of {LAWS} to its width$"),
+    (PYTHON, "thickness", {"flat": 1.0}, f"a mapping of 'flat' is not a mapping of one of {LAWS}"),
+    (
+        CONFIG,
+        "thickness",
+        "0 %",
+        "'0 %' is not between 0 % and 100 %; write a share such as '10 %'$",
+    ),
+    (CONFIG, "thickness", 0.1, "0.1 has no unit; write a length .*, or a share such as '5 %'$"),
+    (PYTHON, "N", 0.1, r"0\.1 is not a share; write one such as '5 %'$"),
+    (PYTHON, "thickness", [1.0, 2.0], "is not above 0; write a width, or a share as '5 %'$"),
+    *(
+        (PYTHON, key, wrong, "is not above 0; write a")
+        for key, wrong in (("stop_away", math.inf), ("gap", 0.0))
+    ),
+    (CONFIG, "temperature", 1.0, "temperature: cannot scatter; known here are .* and 14 others$"),
+]
+
+
+@pytest.mark.parametrize(("reading", "key", "law", "line"), WRITTEN)
+def test_a_width_is_a_share_or_a_value_above_0_or_of_a_known_law(reading, key, law, line):
+    with pytest.raises(ValueError, match=line):
+        kind_of(Scatters).convert({key: law}, reading)
