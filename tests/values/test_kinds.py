@@ -128,7 +128,7 @@ READ = {
     "[1]: 'x' is not a plain number; write a number such as 1": (NUMBERS, [2, "x"]),
     **{f"{n} is not a whole number from 1 to 100": (Whole(1, 100), n) for n in (0, 101, 2.0)},
     "1 is not a whole number from 2": (Whole(2), 1),
-    "a list is not a pair of values: its range, each a length above 0": (Pair(LENGTH), [1]),
+    "the list 1 is not a pair of values: its range, each a length above 0": (Pair(LENGTH), [1]),
     ".x: '1' has no unit; write a length such as '600 um'": (ByName(LENGTH), {"x": "1"}),
     "'x' is not a, bc or true": (TRIED, "x"),
 }
