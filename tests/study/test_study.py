@@ -44,14 +44,14 @@ def test_devices_of_a_study_are_single_share_gravity_and_have_what_an_axis_varie
 
 def test_a_part_of_a_study_has_the_names_that_are_kept(handout):
     named = {"a": handout, "b": varied(handout, rise=9.0)}
-    study = Study(named, pulse=["half sine", "sawtooth"], direction="both")
+    study = Study(named, pulse=["half sine", "sawtooth"], direction="both", until="snap")
     part = study.part({"device": ["b"], "shape": ["sawtooth"], "direction": ["-z"]})
     assert part.device == {"b": named["b"]} and part.shocks.section() == {
         "pulse": {"shape": ["sawtooth"], "direction": ("-z",)}
     }
     assert study.part({"shape": ["half sine", "sawtooth"], "direction": ["+z", "-z"]}) == study
     assert [*study.devices()] == ["a", "b"] and Study(handout).devices() == {"device": handout}
-    assert study.document(["start"])["run"] == {"start": "first"} != study.document()["run"]
+    assert study.document(["until"])["run"] == {"until": "snap"} != study.document()["run"]
 
 
 def test_a_shock_of_the_frame_is_refused_where_a_force_pushes(handout):

@@ -46,6 +46,56 @@ def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(hando
     assert designed.value == pytest.approx(1.3, abs=1e-5)
 
 
+@pytest.fixture
+def linear(monkeypatch):
+    """Thresholds of 1000 times the thickness, +- 5; from 2.5 um on there are none."""
+
+    def at(study, values, f0, C, pulse_of, axes):
+        value = values["thickness"]
+        exists = value < 2.5
+            return np.where(exists, 1e3 * value, np.nan), np.where(exists, 5.0, np.nan), exists
+
+    monkeypatch.setattr("snapmap.applications.design.design.thresholds_at", at)
+
+
+LINEAR = {"between": (1.0, 3.0), "C": 25.0}
+
+
+@pytest.mark.usefixtures("linear")
+def test_ends_of_windows_of_linear_thresholds_are_exact_with_their_errors(handout):
+    """Half a part of an interval beside the bar; without thresholds beyond, half a part alone."""
+    part = 2.0 / 32 / 512
+    needs = [require("trip", 2100.0, True), require("stay", 1203.0, False)]
+    made = snapmap.design(handout, "thickness", requirements=needs, **LINEAR)
+    assert made.low.item() == pytest.approx(1.203) and made.high.item() == pytest.approx(2.1)
+    for key, bar in ("low", 0.005), ("high", 0.005):
+        assert made[f"{key}_error"].item() == pytest.approx(bar + part / 2)
+    made = snapmap.design(handout, "thickness", requirements=needs[1:], **LINEAR)
+    assert made.low.item() == pytest.approx(1.203) and made.low_from.item() == "stay"
+    assert made.high.item() == pytest.approx(2.5, abs=part) and made.high_from.item() == "stay"
+    assert made.high_error.item() == pytest.approx(part / 2)
+    assert (made.met.squeeze() == (made.tried > 1.203) & (made.tried < 2.5)).all()
+
+
+@pytest.mark.usefixtures("linear")
+def test_a_value_of_linear_thresholds_is_exact_and_ranges_are_refused(handout):
+    made = snapmap.design(handout, "thickness", N=1503, f0=1e3, **LINEAR)
+    assert made.value == pytest.approx(1.503) and made.error == pytest.approx(0.005 + 1 / 8 / 1024)
+    line = r"^thickness: no value from 1 to 3 um gives N = 900; the threshold is 1000 to 2375$"
+    with pytest.raises(ValueError, match=line):
+        snapmap.design(handout, "thickness", N=900, f0=1e3, **LINEAR)
+    for wrong, line in (
+        ({"f0": 1e3}, r"^N: missing; write a number above 0$"),
+        ({"N": 900, "f0": 1e3, "between": (2.0, 2.0)}, r"^between: 2, 2 do not ascend; write"),
+        ({"N": 900, "f0": 1e3, "between": (2.0, 1e9, 1.0)}, r"^between: .* is not a pair of numb"),
+    ):
+        with pytest.raises(ValueError, match=line):
+            snapmap.design(handout, "thickness", **LINEAR | wrong)
+    both = [require("stay", 1500.0, False) | {"direction": "both"}]
+    made = snapmap.design(handout, "thickness", requirements=both, **LINEAR)
+    assert made.requirement.values.tolist() == ["stay, versed sine +z", "stay, versed sine -z"]
+
+
 def require(name, N, snaps):
     return {"name": name, "N": N, "snaps": snaps, "f0": 1500.0, "pulse": "versed sine"}
 
