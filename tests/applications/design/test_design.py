@@ -53,7 +53,7 @@ def linear(monkeypatch):
     def at(study, values, f0, C, pulse_of, axes):
         value = values["thickness"]
         exists = value < 2.5
-            return np.where(exists, 1e3 * value, np.nan), np.where(exists, 5.0, np.nan), exists
+        return np.where(exists, 1e3 * value, np.nan), np.where(exists, 5.0, np.nan), exists
 
     monkeypatch.setattr("snapmap.applications.design.design.thresholds_at", at)
 
