@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from decimal import Decimal
 from functools import partial
 from pathlib import Path
 
@@ -13,8 +12,6 @@ import numpy as np
 import pytest
 import small_studies
 import yaml
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 from small_studies import MISSING, faults
 
 from snapmap.applications import boundary, requirements, window
@@ -24,21 +21,14 @@ from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.shape import TILT
-from snapmap.files.text import describe
 from snapmap.solver.options import Auto, Reference
 from snapmap.solver.settings import Run
 from snapmap.study.provenance import device_sections
-from snapmap.values import quantities
 from snapmap.values.faults import Faults
-from snapmap.values.kinds import Quantity, kind_of
-from snapmap.values.units import USUAL, by_pint
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = read_document(ROOT / "config/handout.yaml")
 changed = partial(small_studies.changed, DEFAULT)
-ALIASES = {key: kind_of(alias) for key, alias in vars(quantities).items()}
-KINDS = {key: kind for key, kind in ALIASES.items() if isinstance(kind, Quantity)}
-"""All kinds of quantities by name."""
 
 
 def only_fault(document):
@@ -98,26 +88,6 @@ def test_load_device_looks_at_the_device_only(tmp_path):
     assert load_device(tmp_path / "config.yaml") == load_config(DEFAULT).device
 
 
-NUMBER, POWER = r"[+-]?[0-9]{1,3}(\.[0-9]?)?(e-?[0-9]{1,4})?", r"(\^|\*\*)?-?[0-9]?"
-QUANTITIES = rf"{NUMBER} ?(/ ?)?[a-z\u00b5%]{{1,4}}([*/ ]{{1,2}}[A-Za-z]{{1,3}}{POWER}){{0,3}}"
-SIGNS = "0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²"
-
-
-@settings(max_examples=60, derandomize=True, deadline=None, database=None)
-@given(st.from_regex(QUANTITIES, fullmatch=True) | st.text(alphabet=SIGNS, max_size=30))
-@example("0 Qs^9*Rs^9/us^9/ns^8")
-@example("2**9**9")
-@example("nan um")
-def test_any_text_is_a_finite_quantity_or_a_fault(text):
-    for kind in ("Length", "Damper", "Part"):
-        try:
-            value = KINDS[kind].read(text)
-        except ValueError as error:
-            assert "\n" not in str(error)
-        else:
-            assert math.isfinite(value)
-
-
 def test_the_study_of_the_handout_is_exact():
     study = load_config(DEFAULT)
     beam = Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=150000.0, density=0.00233)
@@ -136,26 +106,6 @@ def test_the_study_of_the_handout_is_exact():
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
-
-
-UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
-RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
-NEVER = (
-    *(600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um"),
-    *("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf),
-)
-NOT_THIS = {
-    **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
-    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
-    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
-    **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
-}
-
-
-@pytest.mark.parametrize("target", USUAL)
-def test_usual_units_are_those_of_pint(target):
-    factors = {unit: by_pint(unit, target) for unit in USUAL[target]}
-    assert factors == {unit: Decimal(factor) for unit, factor in USUAL[target].items()}
 
 
 READ = """
@@ -178,21 +128,6 @@ def test_the_configs_are_read_alone_by_a_python_without_docstrings():
     run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert run.stdout == "set() 600.0\n", run.stderr
     assert "\ndevice: 3 is not a mapping\n" in run.stderr
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
-    of, values = KINDS[kind], NOT_THIS.get(kind, [])
-    if of.unit not in ("", "%"):
-        others = (unit for unit in UNITS if unit != of.unit and {unit, of.unit} != RATES)
-        sizes = (size for size in ("-3", "0") if not of.bounds.holds(float(size)))
-        beyond = (f"{size} {of.unit}" for size in ("nan", "inf", "1e25", "1e-40", *sizes))
-        values = [*values, *NEVER, *beyond, *(f"25 {unit}" for unit in others)]
-    for value in values:
-        with pytest.raises(ValueError) as caught:
-            of.read(value)
-        assert str(caught.value).startswith(describe(value)) and "\n" not in str(caught.value)
-        assert f"; write {of.noun}" in str(caught.value)
 
 
 def test_durations_stand_for_frequencies():

@@ -374,3 +374,18 @@ def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls, kind)
             assert made == other
         else:
             assert made.identical(other) and "np." not in other.attrs["config"]
+
+
+def test_coordinates_of_its_own_cubes_are_taken(handout):
+    study = snapmap.Study(handout, **CHEAP)
+    axes = {"thickness": [2.0]}
+    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes=axes)
+    assert (cube.f0.units, cube.C.units, cube.thickness.units) == ("Hz", "uN us um-1", "um")
+    axes = {"thickness": cube.thickness}
+    edges = snapmap.threshold(study, cube.f0, cube.C, axes=axes)
+    assert edges.N_first.units == "1"
+    again = snapmap.sweep(study, cube.N, cube.f0, cube.C, axes=axes)
+    xr.testing.assert_identical(again.t_snap, cube.t_snap)
+    run = snapmap.simulate(study, edges.N_first.item() * 1.1, 1500.0, 25.0)
+    assert snapmap.sampled(run.time, -run.acceleration + run.acceleration[0]).duration > 600
+    assert snapmap.threshold(study, xr.DataArray([1500.0]), 25.0).N_first.notnull().all()

@@ -153,7 +153,7 @@ run: {{horizon: 200 us, until: snap}}
 """
 
 
-@pytest.mark.parametrize("share", [0.1, 0.4, 2.0])
+@pytest.mark.parametrize("share", [0.2, 0.4, 2.0])
 def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, monkeypatch, share):
     """A named device that is new, or that has another value, is followed alone."""
 

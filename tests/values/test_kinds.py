@@ -1,26 +1,32 @@
 """Kinds of values: text, plain numbers and objects with units give the same bits, or a line."""
 
 import inspect
+import math
 import re
+from decimal import Decimal
 
 import numpy as np
 import pint
 import pytest
 import xarray as xr
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 import snapmap
+from snapmap.files.text import describe
 from snapmap.values import quantities
 from snapmap.values.arguments import Argument, by_name, convert, one_time
 from snapmap.values.faults import Faults, at_key, few, line_at, name_of
 from snapmap.values.kinds import ByName, Items, Pair, Quantity, Several, Whole, Word, kind_of
-from snapmap.values.units import of_file, require_unit, spelling, spelling_of, used
+from snapmap.values.units import USUAL, by_pint, of_file, require_unit, spelling, spelling_of, used
 
 U = pint.UnitRegistry()
 KINDS = {
     name: kind
     for name, alias in vars(quantities).items()
-    if isinstance(kind := kind_of(alias), Quantity) and kind.unit
+    if isinstance(kind := kind_of(alias), Quantity)
 }
+OF_UNITS = [name for name in KINDS if KINDS[name].unit]
 
 
 class Row(np.ndarray):
@@ -50,6 +56,18 @@ def test_objects_with_units_give_the_bits_of_text(name, text, others):
     take = kind_of(getattr(quantities, name)).take
     for other in others:
         assert take(other) == take(text)
+
+
+KILOHERTZ = (
+    *(1 * U.kHz, 1000 * U.Hz, [1 * U.kHz], np.array(1.0).view(Row), variable([1.0], "kHz")),
+    *([1, 2] * U.kHz, np.array([1.0, 2.0]).view(Row), xr.DataArray([1.0, 2.0] * U.kHz)),
+)
+
+
+@pytest.mark.parametrize("value", KILOHERTZ, ids=str)
+def test_numbers_and_rows_count_in_their_unit(value):
+    taken = kind_of(quantities.Frequencies).take(value)
+    assert taken.tolist() == [1000.0, 2000.0][: taken.size]
 
 
 EXACT = {
@@ -88,6 +106,61 @@ def test_a_list_of_a_config_ascends_and_a_value_counts_once_in_any_unit():
     for twice in ([1.0, 2.0, 1.0], ["1 um", 1.0], np.ma.array([1.0, 2.0], mask=[False, True])):
         with pytest.raises(ValueError, match="is not a number or several, each once, above 0 in"):
             kind.take(twice)
+
+
+NUMBER, POWER = r"[+-]?[0-9]{1,3}(\.[0-9]?)?(e-?[0-9]{1,4})?", r"(\^|\*\*)?-?[0-9]?"
+QUANTITIES = rf"{NUMBER} ?(/ ?)?[a-z\u00b5%]{{1,4}}([*/ ]{{1,2}}[A-Za-z]{{1,3}}{POWER}){{0,3}}"
+SIGNS = "0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²"
+
+
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
+@given(st.from_regex(QUANTITIES, fullmatch=True) | st.text(alphabet=SIGNS, max_size=30))
+@example("0 Qs^9*Rs^9/us^9/ns^8")
+@example("2**9**9")
+@example("nan um")
+def test_any_text_is_a_finite_quantity_or_a_fault(text):
+    for kind in ("Length", "Damper", "Part"):
+        try:
+            value = KINDS[kind].read(text)
+        except ValueError as error:
+            assert "\n" not in str(error)
+        else:
+            assert math.isfinite(value)
+
+
+UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
+RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
+NEVER = (
+    *(600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um"),
+    *("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf),
+)
+NOT_THIS = {
+    **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
+    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
+    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
+    **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
+}
+
+
+@pytest.mark.parametrize("target", USUAL)
+def test_usual_units_are_those_of_pint(target):
+    factors = {unit: by_pint(unit, target) for unit in USUAL[target]}
+    assert factors == {unit: Decimal(factor) for unit, factor in USUAL[target].items()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
+    of, values = KINDS[kind], NOT_THIS.get(kind, [])
+    if of.unit not in ("", "%"):
+        others = (unit for unit in UNITS if unit != of.unit and {unit, of.unit} != RATES)
+        sizes = (size for size in ("-3", "0") if not of.bounds.holds(float(size)))
+        beyond = (f"{size} {of.unit}" for size in ("nan", "inf", "1e25", "1e-40", *sizes))
+        values = [*values, *NEVER, *beyond, *(f"25 {unit}" for unit in others)]
+    for value in values:
+        with pytest.raises(ValueError) as caught:
+            of.read(value)
+        assert str(caught.value).startswith(describe(value)) and "\n" not in str(caught.value)
+        assert f"; write {of.noun}" in str(caught.value)
 
 
 WRONG = {
@@ -143,6 +216,8 @@ TAKEN = {
     "3 is not a list, each a number above 0 in um": (Items(LENGTH), 3),
     "3 is not a mapping": (ByName(LENGTH), 3),
     '1 is not "a", "bc" or True': (TRIED, 1),
+    '1 is not "a"': (TRIED, np.int8(1)),
+    '[True] is not "a", "bc" or True': (TRIED, [True]),
 }
 
 
@@ -227,7 +302,7 @@ def test_names_of_a_call_are_known_missing_or_asked_for():
     }
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", OF_UNITS)
 def test_a_value_of_another_unit_is_refused_in_a_line(name):
     for wrong in (3 * U.candela, variable(3.0, "cd"), variable(3.0, "m s s"), "3 cd", "3 ", ""):
         of_text = [KINDS[name].read] if isinstance(wrong, str) else []
@@ -237,7 +312,7 @@ def test_a_value_of_another_unit_is_refused_in_a_line(name):
             assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", OF_UNITS)
 def test_an_example_is_read_and_taken_alike_and_a_bare_number_is_no_text(name):
     kind = KINDS[name]
     if kind.example:
@@ -273,6 +348,15 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     assert snapmap.Study(handout, pulse=drop).pulse.duration > 3e5
     times = snapmap.sampled(["0 ms", "0.1 ms", "0.4 ms"], [0, 1, 0])
     assert times.duration == snapmap.sampled([0, 0.1, 0.4] * U.ms, [0, 1, 0]).duration == 400.0
+    wrong = {"drop": {"height": 1 * U.s, "duration": 500}}
+    for key, value, path in (
+        ("pulse", wrong, "pulse.drop.height"),
+        ("horizon", 1 * U.m, "horizon"),
+    ):
+        with pytest.raises(ValueError, match=rf"\A{path}: .* does not convert to u[ms].*\Z"):
+            snapmap.Study(handout, **{key: value})
+    with pytest.raises(ValueError, match=r"\Atime: .* does not convert to us.*\Z"):
+        snapmap.sampled([0, 1, 2] * U.m, [0.0, 1.0, 0.0])
     shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     ranges = {"thickness": ("1.7 um", "2300 nm")}, {"thickness": [1.7, 2.3] * U.um}
     times = ["1 ms"] * 6, [1 * U.ms] * 6
