@@ -6,11 +6,17 @@ from operator import getitem
 from pathlib import Path
 
 import pytest
+import yaml
 
 from snapmap.applications.whole import load_config
 from snapmap.values.faults import Faults
 
 MISSING = object()
+
+
+def cases_of(path):
+    """Give the tables of cases in the YAML file beside a file of tests."""
+    return yaml.safe_load(Path(path).with_suffix(".yaml").read_text(encoding="utf-8"))
 
 
 def changed(document, **values):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -47,15 +48,7 @@ def test_a_size_that_is_not_positive_and_finite_is_refused(value):
             replace(DEVICE, contact=value)
 
 
-UNFIT = {
-    "gap: inf um is not finite; write mass: none for a beam alone": {"gap": math.inf},
-    "force: 1 uN acts on a beam without a mass; write mass: none": {"force": 1.0},
-    "contact_at: 10 um is not below the midpoint at rest, 10 um": {"contact_at": 10.0},
-    "imperfection: 1 um needs a beam free to tilt; write free: true": {"imperfection": 1.0},
-    "imperfection: 0 um never tilts a free beam; write one such as 0.01 um": {"free": 1.0},
-    "imperfection: 60.1 um is more than a tenth .*": {"imperfection": 60.1, "free": 1.0},
-    r"thickness: 1e-06 um gives Q = rise/thickness = 1e\+07; .* up to 1e\+06": {"thickness": 1e-6},
-}
+UNFIT = cases_of(__file__)
 
 
 @pytest.mark.parametrize("line", UNFIT)

@@ -1,15 +1,14 @@
 """Scatter: distributions and samples, and what cannot scatter."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy import stats
+from small_studies import cases_of
 from varied import varied
 
 from snapmap.device.samples import CUT, Plan, Scatters, Tolerances
-from snapmap.values.arguments import PYTHON
-from snapmap.values.kinds import CONFIG, kind_of
+from snapmap.values.arguments import Reading
+from snapmap.values.kinds import kind_of
 
 SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
 SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
@@ -69,24 +68,10 @@ def test_a_truncated_law_ends_at_two_deviations_and_counts_are_powers_of_two():
     assert made[3].followed(10**5) == 6
 
 
-WRONG = [
-    ({}, {}, "tolerances: empty; write a value that scatters, such as thickness"),
-    ({"contact": math.inf}, {"contact": 1.0}, "tolerances.contact: hard, so it cannot scatter"),
-    ({}, {"stop_away": 1.0}, "tolerances.stop_away: none in this device, so it cannot scatter"),
-    ({"mass": 0.0}, {"spring": 0.1}, "tolerances.spring: needs a mass; leave it out"),
-    ({}, {"gap": "5 %"}, "tolerances.gap: a share of 0 is 0; write a width with a unit"),
-    ({}, {"gap": {"lognormal": 1.0}}, "tolerances.gap: lognormal needs a nominal value above 0"),
-    ({}, {"span": 1.0}, "tolerances.together: rise has no tolerance"),
-    ({}, {"span": 1.0, "rise": 1.0}, "tolerances.together: span comes twice"),
-    (
-        {},
-        {"depth": 9.0},
-        "tolerances.depth: a sample has the impossible value -31.98; write .* 22$",
-    ),
-]
+CASES = cases_of(__file__)
 
 
-@pytest.mark.parametrize(("values", "scatters", "line"), WRONG)
+@pytest.mark.parametrize(("values", "scatters", "line"), CASES["wrong"])
 def test_what_cannot_scatter_is_refused_with_its_reason(handout, values, scatters, line):
     scatters = {key: kind_of(Scatters).take({key: law})[key] for key, law in scatters.items()}
     together = [["span", "rise"], ["span"]] if "span" in scatters else ()
@@ -94,28 +79,7 @@ def test_what_cannot_scatter_is_refused_with_its_reason(handout, values, scatter
         Plan(varied(handout, **values), scatters, together).values(np.array([[1e-9]]))
 
 
-LAWS = "normal, uniform, lognormal, truncated"
-WRITTEN = [
-    (PYTHON, "thickness", {"uniform": 1, "normal": 2}, f"one of {LAWS} to its width$"),
-    (PYTHON, "thickness", {"flat": 1.0}, f"a mapping of 'flat' is not a mapping of one of {LAWS}"),
-    (
-        CONFIG,
-        "thickness",
-        "0 %",
-        "'0 %' is not between 0 % and 100 %; write a share such as '10 %'$",
-    ),
-    (CONFIG, "thickness", 0.1, "0.1 has no unit; write a length .*, or a share such as '5 %'$"),
-    (PYTHON, "N", 0.1, r"0\.1 is not a share; write one such as '5 %'$"),
-    (PYTHON, "thickness", [1.0, 2.0], "is not above 0; write a width, or a share as '5 %'$"),
-    *(
-        (PYTHON, key, wrong, "is not above 0; write a")
-        for key, wrong in (("stop_away", math.inf), ("gap", 0.0))
-    ),
-    (CONFIG, "temperature", 1.0, "temperature: cannot scatter; known here are .* and 14 others$"),
-]
-
-
-@pytest.mark.parametrize(("reading", "key", "law", "line"), WRITTEN)
-def test_a_width_is_a_share_or_a_value_above_0_or_of_a_known_law(reading, key, law, line):
+@pytest.mark.parametrize(("written", "key", "law", "line"), CASES["written"])
+def test_a_width_is_a_share_or_a_value_above_0_or_of_a_known_law(written, key, law, line):
     with pytest.raises(ValueError, match=line):
-        kind_of(Scatters).convert({key: law}, reading)
+        kind_of(Scatters).convert({key: law}, Reading(written))

@@ -12,7 +12,7 @@ from snapmap import Study
 from snapmap.device.device import batch
 from snapmap.study import axes
 from snapmap.study.provenance import device_sections
-from snapmap.study.shock import SURVIVES, Requirement
+from snapmap.study.shock import SURVIVES, Demand, Requirement, Shock
 from snapmap.study.variables import dress, flags, write
 
 
@@ -112,6 +112,8 @@ def test_a_required_shock_is_that_of_the_study_or_its_own(handout):
     assert (other.share, other.confidence) == (0.99, 0.9)
     assert other.shocks.section() == Study(handout, pulse="half sine").shocks.section()
     drop = Study(handout, pulse={"drop": {"height": 1e6, "duration": 500.0}}).shocks
+    demand = Demand(name="crash", snaps="any").shock(Shock, drop, 7.0)
+    assert (demand.N, demand.f0, demand.snaps) == (7.0, drop.own_frequency(), "any")
     with pytest.raises(ValueError, match=r"^requirements: crash: pulse: missing, as the study's"):
         Requirement(**ASKED, f0=1e3).under(drop)
     assert Requirement(**ASKED, f0=1e3, pulse="half sine").under(drop).f0 == 1e3

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from small_studies import cases_of
 
 import snapmap
 from snapmap.files.text import describe
@@ -21,6 +22,7 @@ from snapmap.values.kinds import ByName, Items, Pair, Quantity, Several, Whole, 
 from snapmap.values.units import USUAL, by_pint, of_file, require_unit, spelling, spelling_of, used
 
 U = pint.UnitRegistry()
+CASES = cases_of(__file__)
 KINDS = {
     name: kind
     for name, alias in vars(quantities).items()
@@ -70,29 +72,10 @@ def test_numbers_and_rows_count_in_their_unit(value):
     assert taken.tolist() == [1000.0, 2000.0][: taken.size]
 
 
-EXACT = {
-    "Length": {"600um": 600.0, "600 µm": 600.0, " 0.6 mm\n": 600.0, ".6e0 mm": 600.0},
-    "Stiffness": {"20 mN/m": 0.02, "3 N/m": 3.0, "2 kN/m": 2000.0, "0.5 uN/um": 0.5},
-    "Density": {"2.33 g/cm**3": 0.00233, "2330 kg/m³": 0.00233, "2330 kg m^-3": 0.00233},
-    "Modulus": {"150000 N/mm^2": 150000.0},
-    "Mass": {"1e-8 kg": 1e4, "3 mg": 3e6, "7 µg": 7e3, "0.1 ug": 100.0, "none": 0.0},
-    "Temperature": {"300 K": 26.85, "-40 degC": -40.0, "0.15 K": -273.0},
-    "Stress": {"-11 MPa": -11.0, "0.15 GPa": 150.0, "-2e3 Pa": -0.002, "3 N/m^2": 3e-6},
-    "Frequency": {"1.5 kHz": 1500.0, "30 1/s": 30.0, "2 MHz": 2e6},
-    "PulseTime": {"0.5 ms": 500.0, "2 s": 2e6, "1e3 us": 1e3},
-    "Acceleration": {"9.81 m/s^2": 9.81e-6, "1 um/us^2": 1.0},
-    "Rate": {"4e-4/us": 4e-4, "4e-4 1 / us": 4e-4, "0 /us": 0.0, "50 /s": 5e-5},
-    "Expansion": {"-63e-6 /K": -63e-6},
-    "Share": {"12.5 %": 0.125, "5%": 0.05},
-    "Damper": {"25 uN*us/um": 25.0, "0.001 kg/s": 1000.0, "0.2 mN*s/m": 200.0},
-    "Contact": {"hard": np.inf, "40 N/m": 40.0},
-}
-
-
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", CASES["exact"])
 def test_text_has_the_very_float_of_its_number_in_internal_units(name):
     kind = kind_of(getattr(quantities, name))
-    for text, number in EXACT[name].items():
+    for text, number in CASES["exact"][name].items():
         assert kind.read(text) == kind.take(text) == number
 
 
@@ -163,25 +146,12 @@ def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
         assert f"; write {of.noun}" in str(caught.value)
 
 
-WRONG = {
-    "Length": {"3 kg": "does not convert to um", "0 um": "is not above 0", "3": "has no unit"},
-    "Gap": dict.fromkeys(("9e-16 um", "1e16 um"), "is not between 1e-15 and 1e+15 um"),
-    "Part": {"3 g": "is not a plain number", "1e999": "is not finite"},
-    "Amplitude": {"1e16": "is not between 0 and 1e+15", "-1": "is not from 0"},
-    "Frequency": {"1 rpm": "counts angles or events, which is not Hz (1 Hz is 2 pi rad/s)"},
-    "Share": dict.fromkeys(("100 %", "0 %", "1 dB"), "is not between 0 % and 100 %"),
-    "Temperature": {"-300 degC": "is not above -273.15", "3 degF": "does not convert to degC"},
-    "Restitution": {"1.5": "is not from 0 to 1"},
-    "Contact": {"soft": "is not a number with a unit"},
-}
-
-
-@pytest.mark.parametrize("name", WRONG)
+@pytest.mark.parametrize("name", CASES["wrong"])
 def test_text_of_a_config_is_refused_with_what_is_right(name):
     kind = kind_of(getattr(quantities, name))
     such = f"'{kind.example}'" if kind.unit else kind.example
     right = f"{kind.noun} such as {such}{', or the word hard' * (name == 'Contact')}"
-    for text, words in WRONG[name].items():
+    for text, words in CASES["wrong"][name].items():
         with pytest.raises(ValueError, match=rf"^'{text}' {re.escape(words)}; write {right}$"):
             kind.read(text)
 
@@ -238,16 +208,9 @@ def test_right_values_of_parts_are_converted_each():
     assert powers == pytest.approx([1, 2, 4])
 
 
-SPELT = {
-    "uN*us^3/um": ("uN us3 um-1", "µN µs$^{3}$/µm", "µN\u00a0µs³/µm", "uN us^3 um^-1"),
-    "kg/m^2": ("kg m-2", "kg/m$^{2}$", "kg/m²", "kg m^-2"),
-    "1/K": ("K-1", "K$^{-1}$", "1/K", "1/K"),
-}
-
-
-@pytest.mark.parametrize("unit", SPELT)
+@pytest.mark.parametrize("unit", CASES["spelt"])
 def test_a_unit_is_spelt_for_files_figures_and_the_page_and_read_back(unit):
-    assert (*spelling(unit), of_file(spelling(unit).files)) == SPELT[unit]
+    assert (*spelling(unit), of_file(spelling(unit).files)) == tuple(CASES["spelt"][unit])
 
 
 def test_values_are_told_in_the_units_that_users_read():

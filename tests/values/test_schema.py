@@ -8,6 +8,7 @@ import runpy
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
+from small_studies import cases_of
 
 from snapmap.applications.whole import Document
 from snapmap.values.records import hints
@@ -86,26 +87,7 @@ def test_every_config_of_the_project_is_among_them(root):
     assert {str(path.relative_to(root)) for path in found} == {*CONFIGS}
 
 
-WRONG = {
-    "a misspelt key": ("device.beam.thicknes", "2 um"),
-    "a misspelt section": ("requirments", []),
-    "a missing key": ("device.beam.span", None),
-    "a missing section": ("sweep", None),
-    "a key missing whose place nothing takes": ("device.gravity", None),
-    "a bare number where a unit is needed": ("device.spring", 4),
-    "the same as text": ("run.horizon", "4000"),
-    "the same in a list": ("sweep.C", [5, 100]),
-    "a unit where none belongs": ("sweep.N.from", "400 g"),
-    "a wrong word": ("run.until", "snaps"),
-    "a wrong word for a number": ("device.contact", "soft"),
-    "a wrong name of a model": ("model.name", "autos"),
-    "an option of another model": ("model.modes", 3),
-    "a wrong word in a list": ("requirements.0.snaps", "perhaps"),
-    "a section of another form": ("device.beam", ["600 um"]),
-    "a key of Snakemake's": ("run.threads", 2),
-    "a key of another section": ("sweep.until", "snap"),
-    "an empty value": ("pulse.shape", {}),
-}
+WRONG = cases_of(__file__)
 
 
 @pytest.mark.parametrize("where", WRONG)
