@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import small_studies
 import yaml
-from small_studies import MISSING, faults
+from small_studies import MISSING, cases_of, faults
 
 from snapmap.applications import boundary, requirements, window
 from snapmap.applications.whole import doubts, load_config
@@ -27,6 +27,7 @@ from snapmap.study.provenance import device_sections
 from snapmap.values.faults import Faults
 
 ROOT = Path(__file__).parents[2]
+CASES = cases_of(__file__)
 DEFAULT = read_document(ROOT / "config/handout.yaml")
 changed = partial(small_studies.changed, DEFAULT)
 
@@ -159,62 +160,23 @@ def test_a_history_has_the_duration_and_damper_that_the_study_alone_has():
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
-ANY = BLOW | {"snaps": "any"}
-CRASH, RESET = BLOW | {"closes_within": "1 ms"}, BLOW | {"start": "second"}
 FREE = {"device__beam__free": True, "device__beam__imperfection": "0.01 um"}
 
 
-def shaken(lowest, duration):
-    """A vibration up to 2 kHz."""
-    psd = [[frequency, "0.1 g^2/Hz"] for frequency in (lowest, "2 kHz")]
-    return {"name": "shaken", "psd": psd, "duration": duration, "snaps": False}
+def written(values):
+    """Changes of a case; null leaves a key out."""
+    return {key: MISSING if value is None else value for key, value in values.items()}
 
 
-OF_DEVICES = (
-    ("device.beam", {"device__beam__rise": "4 um"}),
-    ("device.weight", {"device__weight": "1 kg"}),
-    ("device.gap", {**ALONE, "device__gap": "1 um"}),
-    *(("device.force", PUSHED), ("device.gravity", {**ALONE, "device__force": "2 uN"})),
-    ("device.force", {**ALONE, **PUSHED, "pulse": DROP}),
-    ("device.quality_factor", {"device__quality_factor": 9}),
-    ("device.beam.shape.cosines", {"device__beam__shape": {"cosines": []}}),
-    ("device.contact_at", {"device__contact_at": "10 um"}),
-    ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
-)
-OF_SWEEPS = (
-    *(("model.modes", {"model__modes": "5"}), ("model.cosines", {"model__cosines": -1})),
-    *(("sweep.N", {"sweep__N": [1, 2, 1.0]}), ("sweep.N[1]", {"sweep__N": [900, -1000]})),
-    ("histories[0].N", {"histories": [{"N": -1000, "f0": "1 kHz", "C": "1 uN*us/um"}]}),
-    ("maps[0].at.N", {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}),
-    ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
-    *(("sweep.f0", {"sweep__f0": f0}) for f0 in (MISSING, ["1 kHz", "1000 Hz"])),
-    *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
-    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": 0}),
-    ("sweep.duration", {"sweep__duration": ["1 ms"]}),
-    ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
-    ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
-    ("run.start", {**FREE, "run": {"start": "second"}}),
-    ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
-    *(("histories", {"histories": {}}), ("histories[0]", {"histories": [3]})),
-    ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
-    ("histories[1]", {"histories": [{"N": 1, "f0": "1 Hz", "C": "1 kg/s"}] * 2}),
-    *(("marks", {"marks": name}) for name in ("none.csv", "/etc/passwd", "")),
-)
-OF_REQUIREMENTS = (
-    ("device.contact_at", {}, CRASH),
-    ("device.strength", {}, ANY),
-    ("requirements[0].closes_within", {}, CRASH | {"snaps": False}),
-    ("requirements[0].psd", {}, shaken("0.01 Hz", "100 h")),
-    ("requirements[0].duration", {}, shaken("20 Hz", "1e-9 s")),
-    ("requirements[0].start", FREE, RESET),
-    ("requirements[0].shape", {"pulse": DROP}, BLOW),
-    *((f"requirements[0].{key}", {}, BLOW | {key: n}) for key, n in (("rise", "20 %"), ("N", -1))),
-    ("requirements[0].snaps", {}, ANY | {"survives": False}),
-)
+NAMED = {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}
 FAULTY = (
     *(("config", document) for document in (None, 3, "device", [], [DEFAULT])),
-    *((key, changed(**values)) for key, values in (*OF_DEVICES, *OF_SWEEPS)),
-    *((key, changed(**values, requirements=[one])) for key, values, one in OF_REQUIREMENTS),
+    ("devices['a b']", changed(**NAMED)),
+    *((key, changed(**written(values))) for key, values in CASES["faulty"]),
+    *(
+        (key, changed(**written(values), requirements=[one]))
+        for key, values, one in CASES["requirements"]
+    ),
 )
 
 
@@ -419,19 +381,7 @@ def test_a_device_has_a_name_in_any_letters(name):
     assert [*load_config(document).devices()] == [name]
 
 
-FAR = {
-    **{"sweep__N": [1e14], "run__horizon": "200 s", "device__contact": "1e9 N/m"},
-    **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
-    **{"device__beam__residual_stress": "-4000 MPa", "device__mass": "6e-6 kg"},
-    **{"device__gap": "1e-6 um", "device__stop_away": "6 mm"},
-    **{"device__temperature": "3000 degC", "device__modulus_slope": "-60 /K"},
-    "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],
-    "requirements": [{"name": "drop", "N": 1e14, "f0": "1 kHz", "snaps": False}],
-}
-NEAR = {"run__horizon": "1e-9 us", "device__contact": "1e-9 N/m"}
-
-
-@pytest.mark.parametrize(("key", "value"), [*FAR.items(), *NEAR.items()])
+@pytest.mark.parametrize(("key", "value"), CASES["far"])
 def test_a_value_far_off_is_told_in_one_line(key, value):
     (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
     name = "N" if isinstance(value, list) else key.rpartition("__")[2]

@@ -80,6 +80,7 @@ def test_holes_and_slabs_given_twice_are_refused(slabs):
     paths, axes = slabs
     with pytest.raises(ValueError, match=r"\A.*C = 25\.0 .*\n.*C = 50\.0 .*\Z"):
         collect_slabs([paths[0]], axes, {})
+    assert collect_slabs(paths[:2], axes | {"C": axes["C"][:2]}, {}).outcome.size == 12
     with pytest.raises(ValueError, match=r"24 cells .* 18"):
         collect_slabs([*paths, paths[-1]], axes, {})
 
