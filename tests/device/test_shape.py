@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Legendre, Polynomial
 from scipy.optimize import brentq, root
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -14,14 +15,7 @@ from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
 from snapmap.config.devices import read_shape
 
-SHAPES = {
-    "second cosine": {"cosine_2": 0.1},
-    "several cosines": {"cosine_2": -0.04, "cosine_3": 0.05, "cosine_5": -0.01},
-    "pressed": {"cosine_2": 0.2, "cosine_3": 0.09, "residual_stress": -80.0},
-    "clamps that give": {"clamp_axial": 2e4, "residual_stress": -10.0},
-    "straight": {"rise": 0.0, "residual_stress": -20.0},
-    "straight, much pressed": {"rise": 0.0, "residual_stress": -60.0},
-}
+SHAPES = cases_of(__file__)
 
 
 def slopes(beam, x):

@@ -87,12 +87,12 @@ def test_every_config_of_the_project_is_among_them(root):
     assert {str(path.relative_to(root)) for path in found} == {*CONFIGS}
 
 
-WRONG = cases_of(__file__)
+CASES = cases_of(__file__)
 
 
-@pytest.mark.parametrize("where", WRONG)
+@pytest.mark.parametrize("where", CASES["wrong"])
 def test_mistakes_are_marked(validator, sensor, where):
-    path, value = WRONG[where]
+    path, value = CASES["wrong"][where]
     document = copy.deepcopy(sensor)
     *above, last = (int(key) if key.isdigit() else key for key in path.split("."))
     section = document
@@ -102,18 +102,9 @@ def test_mistakes_are_marked(validator, sensor, where):
     assert [*validator.iter_errors(document)]
 
 
-RIGHT = {
-    "a beam alone": {"mass": "none", "spring": None, "contact": None},
-    "a force in place of gravity": {"mass": "none", "spring": None, "contact": None}
-    | {"gravity": None, "force": "1 uN"},
-    "units of other spellings": {"mass": "6 µg", "spring": "4e0 uN/um", "gap": "1um"},
-    "a plain number as text": {"restitution": "5e-1"},
-}
-
-
-@pytest.mark.parametrize("what", RIGHT)
+@pytest.mark.parametrize("what", CASES["right"])
 def test_what_is_right_is_not_marked(validator, sensor, what):
-    device = {k: v for k, v in (sensor["device"] | RIGHT[what]).items() if v is not None}
+    device = {k: v for k, v in (sensor["device"] | CASES["right"][what]).items() if v is not None}
     assert not [*validator.iter_errors(sensor | {"device": device})]
 
 
