@@ -83,11 +83,8 @@ def test_a_batch_is_its_devices_and_tells_of_each():
     several = [DEVICE, varied(DEVICE, **ALONE), replace(DEVICE, stop_away=3.0, contact_at=-4.0)]
     made = batch(several)
     assert len(made) == 3 and [made.pick(i) for i in range(3)] == several
-    assert [each.tolist() for each in (made.is_alone, made.has_stops, made.has_electrode)] == [
-        [False, True, False],
-        [False, False, True],
-        [False, False, True],
-    ]
+    told = np.array([made.is_alone, made.has_stops, made.has_electrode], int)
+    assert told.tolist() == [[0, 1, 0], [0, 0, 1], [0, 0, 1]]
     assert made.pick(np.array([False, True, True])).stop_away.tolist() == [math.inf, 3.0]
     with pytest.raises(ValueError, match=r"^mass: a beam alone is no value of an axis$"):
         made.vary({"mass": np.zeros(3)})
@@ -128,20 +125,16 @@ def silicon(handout):
     return replace(handout, **THERMAL)
 
 
-def at(device, temperature):
-    return batch([device]).vary({"temperature": np.array([temperature])}).pick(0)
-
-
 def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(silicon):
-    hot = at(silicon, 120.0)
+    hot = silicon.at(120.0)
     assert hot.beam.youngs_modulus == pytest.approx(150e3 * (1 - 63e-4), rel=1e-15)
     assert hot.beam.residual_stress == pytest.approx(150e3 * 0.5e-4, rel=1e-15)
     (C,) = to_cells(batch([hot]), [0], [1000.0], [1500.0], [25.0], 0.0).damping
     assert pytest.approx(25 * (393.15 / 293.15) ** 0.7, rel=1e-15) == C
-    once, twice = at(silicon, -40.0), at(at(silicon, 300.0), -40.0)
+    once, twice = silicon.at(-40.0), silicon.at(300.0).at(-40.0)
     assert twice.beam.youngs_modulus == pytest.approx(once.beam.youngs_modulus, rel=1e-14)
     assert twice.beam.residual_stress == pytest.approx(once.beam.residual_stress, rel=1e-12)
-    assert at(silicon, 20.0).beam == silicon.beam
+    assert silicon.at(20.0).beam == silicon.beam
 
 
 def test_the_axis_is_the_device_with_other_values(silicon):
@@ -150,7 +143,7 @@ def test_the_axis_is_the_device_with_other_values(silicon):
     along = snapmap.threshold(
         Study(silicon, **how), C=[25.0], **asked, axes={"temperature": [-40.0, 20.0, 120.0]}
     )
-    hot = replace(at(silicon, 120.0), damper_exponent=0.0)
+    hot = replace(silicon.at(120.0), damper_exponent=0.0)
     alone = snapmap.threshold(Study(hot, **how), C=[C], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
     assert along.temperature.attrs["units"] == "degC"

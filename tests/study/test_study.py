@@ -15,31 +15,45 @@ from snapmap.study.provenance import device_sections
 from snapmap.study.shock import SURVIVES, Demand, Requirement, Shock
 from snapmap.study.variables import dress, flags, write
 
+DROP = {"drop": {"height": 1e6, "duration": 500.0}}
+MOST = {"spring": np.arange(1.0, 1001), "depth": np.arange(1.0, 102)}
+REFUSED = {
+    "devices: gravity differs; write one value, as N counts": lambda device: axes.make_grid(
+        {"a": device, "b": replace(device, gravity=1e-5)}, {}
+    ),
+    "spring: needs a mass; leave": lambda device: axes.make_grid(alone(device), {"spring": [5.0]}),
+    r"axes of the device: 1\.01e\+05 points": lambda device: axes.make_grid(device, MOST),
+    "device = b, depth = -1 um: depth: ": lambda device: axes.make_grid(
+        {"b": device}, {"depth": [20.0, -1.0]}
+    ),
+    "device.force: a train shakes the frame; write gravity": lambda device: Study(
+        alone(device, force=1.0)
+    ).require_frame("a train"),
+    "device.force: the shock 'drop' shakes": lambda device: Study(
+        alone(device, force=1.0), pulse=DROP
+    ),
+    "requirements: crash: pulse: missing, as the study's": lambda device: Requirement(
+        **ASKED, f0=1e3
+    ).under(Study(device, pulse=DROP).shocks),
+    "f0: missing; write": lambda _: Requirement(**ASKED),
+    "duration: excludes": lambda _: Requirement(**ASKED, f0=1.0, duration=1.0),
+    "N: missing; write a number above 0$": lambda _: Requirement(name="a", snaps=True, f0=1.0),
+    r"survives: 1\.0 is not": lambda _: Requirement(**ASKED, f0=1.0, survives=1.0),
+}
+ASKED = {"name": "crash", "N": 2000.0, "snaps": True}
 
-def test_devices_of_a_study_are_single_share_gravity_and_have_what_an_axis_varies(handout):
-    for wrong in (
-        batch([handout]),
-        {},
-        {"a": batch([handout])},
-        handout.beam,
-        varied(handout, rise=np.ones(2)),
-    ):
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_what_no_study_has_is_refused_in_a_line(handout, line):
+    with pytest.raises(ValueError, match=f"^{line}"):
+        REFUSED[line](handout)
+
+
+def test_devices_of_a_study_are_single(handout):
+    several = batch([handout])
+    for wrong in (several, {}, {"a": several}, handout.beam, varied(handout, rise=np.ones(2))):
         with pytest.raises(ValueError, match="is not a Device of single values, or several"):
             Study(wrong)
-    other = replace(handout, gravity=1e-5)
-    with pytest.raises(
-        ValueError, match=r"^devices: gravity differs; write one value, as N counts"
-    ):
-        axes.make_grid({"a": handout, "b": other}, {})
-    with pytest.raises(ValueError, match=r"^spring: needs a mass; leave it out$"):
-        axes.make_grid(alone(handout), {"spring": [5.0]})
-    most = {"spring": np.arange(1.0, 1001), "depth": np.arange(1.0, 102)}
-    with pytest.raises(
-        ValueError, match=r"^axes of the device: 1\.01e\+05 points, more than 100000"
-    ):
-        axes.make_grid(handout, most)
-    with pytest.raises(ValueError, match=r"^device = b, depth = -1 um: depth: "):
-        axes.make_grid({"b": handout}, {"depth": [20.0, -1.0]})
 
 
 def test_a_part_of_a_study_has_the_names_that_are_kept(handout):
@@ -54,17 +68,8 @@ def test_a_part_of_a_study_has_the_names_that_are_kept(handout):
     assert study.document(["until"])["run"] == {"until": "snap"} != study.document()["run"]
 
 
-def test_a_shock_of_the_frame_is_refused_where_a_force_pushes(handout):
-    pushed = alone(handout, force=1.0)
-    with pytest.raises(ValueError, match=r"^device.force: a train shakes the frame; write gravity"):
-        Study(pushed).require_frame("a train")
-    with pytest.raises(ValueError, match=r"^device.force: the shock 'drop' shakes the frame"):
-        Study(pushed, pulse={"drop": {"height": 1e6, "duration": 500.0}})
-    Study(handout).require_frame("a train")
-
-
 def test_the_time_of_a_shock_is_its_own_a_duration_or_f0(handout):
-    drop = Study(handout, pulse={"drop": {"height": 1e6, "duration": 500.0}})
+    drop = Study(handout, pulse=DROP)
     assert drop.set_out({"f0": None}).axes["f0"] == [1e6 / drop.pulse.duration]
     assert axes.frequencies(1500.0, None) == 1500.0 and axes.frequencies(None, 500.0) == 2000.0
     assert axes.frequencies(None, [500.0, 1000.0]).tolist() == [2000.0, 1000.0]
@@ -76,54 +81,28 @@ def test_axes_tell_their_units_points_and_shared_values():
     assert axes.attributes_of("f0")["units"] == "Hz" and "units" not in axes.attributes_of("device")
     point = {"device": "a", "depth": 20.0, "C": 25.0, "N": 900.0}
     assert axes.point_text(point) == "device = a, depth = 20 um, C = 25 uN*us/um, N = 900"
-    ours, others = (
-        {"N": np.array([1.0, 2, 3]), "C": np.array([5.0])},
-        {"N": [3.0, 9, 2], "C": [5.0]},
-    )
-    mine, theirs = axes.shared_points(ours, others)
+    ours = {"N": np.array([1.0, 2, 3]), "C": np.array([5.0])}
+    mine, theirs = axes.shared_points(ours, {"N": [3.0, 9, 2], "C": [5.0]})
     assert [*map(list, mine)] == [[1, 2], [0]] and [*map(list, theirs)] == [[2, 0], [0]]
-
-
-ASKED = {"name": "crash", "N": 2000.0, "snaps": True}
 
 
 def test_a_required_shock_is_that_of_the_study_or_its_own(handout):
     study = Study(handout, pulse="sawtooth", direction="-z")
     made = Requirement(**ASKED, duration="0.5 ms").under(study.shocks, "second")
-    assert (made.f0, made.N, made.start, made.survives, made.share) == (
-        2000.0,
-        2000.0,
-        "second",
-        SURVIVES,
-        0.0,
-    )
-    assert made.shocks.section() == study.shocks.section() and made.shaken(study) == study.but(
-        start="second"
-    )
-    own = {
-        "pulse": "half sine",
-        "direction": "+z",
-        "start": "first",
-        "survives": False,
-        "share": "99 %",
-    }
-    other = Requirement(**ASKED, f0=1e3, **own, confidence="90 %").under(study.shocks, "second")
+    assert (made.f0, made.N, made.start) == (2000.0, 2000.0, "second")
+    assert (made.survives, made.share) == (SURVIVES, 0.0)
+    assert made.shocks.section() == study.shocks.section()
+    assert made.shaken(study) == study.but(start="second")
+    own = {"pulse": "half sine", "direction": "+z", "start": "first", "survives": False}
+    demand = ASKED | own | {"f0": 1e3, "share": "99 %", "confidence": "90 %"}
+    other = Requirement(**demand).under(study.shocks, "second")
     assert (other.f0, other.start, other.survives) == (1e3, "first", 0.0)
     assert (other.share, other.confidence) == (0.99, 0.9)
     assert other.shocks.section() == Study(handout, pulse="half sine").shocks.section()
-    drop = Study(handout, pulse={"drop": {"height": 1e6, "duration": 500.0}}).shocks
+    drop = Study(handout, pulse=DROP).shocks
     demand = Demand(name="crash", snaps="any").shock(Shock, drop, 7.0)
     assert (demand.N, demand.f0, demand.snaps) == (7.0, drop.own_frequency(), "any")
-    with pytest.raises(ValueError, match=r"^requirements: crash: pulse: missing, as the study's"):
-        Requirement(**ASKED, f0=1e3).under(drop)
     assert Requirement(**ASKED, f0=1e3, pulse="half sine").under(drop).f0 == 1e3
-    for wrong, line in ({}, "f0: missing; write"), ({"f0": 1.0, "duration": 1.0}, "duration: excl"):
-        with pytest.raises(ValueError, match=f"^{line}"):
-            Requirement(**ASKED, **wrong)
-    with pytest.raises(ValueError, match=r"^N: missing; write a number above 0$"):
-        Requirement(name="a", snaps=True, f0=1.0)
-    with pytest.raises(ValueError, match=r"^survives: 1\.0 is not .*|share"):
-        Requirement(**ASKED, f0=1.0, survives=1.0)
 
 
 def test_a_device_is_written_with_what_differs_from_its_defaults(handout):
