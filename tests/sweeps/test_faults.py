@@ -7,24 +7,17 @@ import pytest
 import xarray as xr
 import yaml
 from small_results import TINY, make_cells
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of
 
 import snapmap
 from snapmap.applications.whole import load_config
 from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 
-SWEEP = """sweep:
-  N: [600, 1200, 2400]
-  f0: [1 kHz, 3 kHz]
-  C: [0.025 uN*us/um, 25 uN*us/um, 50 uN*us/um]
-run: {horizon: 300 us, until: snap}
-"""
-
 
 @pytest.fixture(scope="module")
 def study():
-    return load_config(yaml.safe_load(THREE_COSINES + SWEEP))
+    return load_config(yaml.safe_load(THREE_COSINES) | cases_of(__file__))
 
 
 @pytest.fixture
