@@ -6,7 +6,7 @@ from scipy import stats
 from small_studies import cases_of
 from varied import varied
 
-from snapmap.device.samples import CUT, Plan, Scatters, Tolerances
+from snapmap.device.samples import CUT, Groups, Plan, Scatters, Tolerances
 from snapmap.values.arguments import Reading
 from snapmap.values.kinds import kind_of
 
@@ -77,6 +77,12 @@ def test_what_cannot_scatter_is_refused_with_its_reason(handout, values, scatter
     together = [["span", "rise"], ["span"]] if "span" in scatters else ()
     with pytest.raises(ValueError, match=rf"^{line}"):
         Plan(varied(handout, **values), scatters, together).values(np.array([[1e-9]]))
+
+
+def test_groups_are_lists_of_names():
+    for wrong in ("ab", ["ab"], [["a"], 3], [[1]]):
+        with pytest.raises(ValueError, match=r"is not a list of groups of names, as \[\[span"):
+            kind_of(Groups).take(wrong)
 
 
 @pytest.mark.parametrize(("written", "key", "law", "line"), CASES["written"])

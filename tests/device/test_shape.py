@@ -14,6 +14,7 @@ from snapmap.beam.cosines import antisymmetric_loads, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
 from snapmap.config.devices import read_shape
+from snapmap.device import shape
 
 SHAPES = cases_of(__file__)
 
@@ -24,6 +25,11 @@ def slopes(beam, x):
     shares[0] -= beam.cosine_3 + beam.cosine_5  # so that the midpoint is at the rise
     turns = 2 * np.pi * np.arange(1, 6) / beam.span
     return beam.rise / 2 * (shares * turns) @ np.sin(np.outer(turns, x))
+
+
+def test_the_rule_of_elements_is_that_of_gauss():
+    points, weights = np.polynomial.legendre.leggauss(5)
+    np.testing.assert_allclose([shape.POINTS, 2 * shape.WEIGHTS], [points, weights], rtol=1e-14)
 
 
 class Polynomials:

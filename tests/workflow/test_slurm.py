@@ -25,7 +25,7 @@ for word; do case $word in --wrap=*) sh -c "${{word#--wrap=}}" >&2 ;; esac; done
 wc -l <'{asked}'""",
     "srun": """while [ "${{1#-}}" != "$1" ]; do shift; done; exec "$@\"""",
     "squeue": "awk '{{ print NR \"|COMPLETED\" }}' '{asked}'",
-    **dict.fromkeys(("sinfo", "sacctmgr", "scancel", "scontrol"), "true"),
+    **dict.fromkeys(("sinfo", "sacct", "sacctmgr", "scancel", "scontrol"), "true"),
 }
 """Slurm as its users see it: a job runs while it is handed in, and what it asked for is noted."""
 
