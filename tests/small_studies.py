@@ -11,7 +11,8 @@ import yaml
 from snapmap.applications.whole import load_config
 from snapmap.values.faults import Faults
 
-MISSING = object()
+MISSING = None
+"""In place of a value that is left out, as null in YAML."""
 
 
 def cases_of(path):

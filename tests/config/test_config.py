@@ -162,21 +162,12 @@ DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
 FREE = {"device__beam__free": True, "device__beam__imperfection": "0.01 um"}
 
-
-def written(values):
-    """Changes of a case; null leaves a key out."""
-    return {key: MISSING if value is None else value for key, value in values.items()}
-
-
 NAMED = {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}
 FAULTY = (
     *(("config", document) for document in (None, 3, "device", [], [DEFAULT])),
     ("devices['a b']", changed(**NAMED)),
-    *((key, changed(**written(values))) for key, values in CASES["faulty"]),
-    *(
-        (key, changed(**written(values), requirements=[one]))
-        for key, values, one in CASES["requirements"]
-    ),
+    *((key, changed(**values)) for key, values in CASES["faulty"]),
+    *((key, changed(**values, requirements=[one])) for key, values, one in CASES["requirements"]),
 )
 
 
