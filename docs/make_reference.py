@@ -54,7 +54,7 @@ diverged, or its energy ledger did not close. `absent`: the device has no second
 - `t_snap`, `t_settled`: time of the snap, and time from which the run has settled, us after the 
   start of the pulse, or NaN; the attribute `label_distance` of `t_snap` says how near a threshold, 
   relative, [a label can be wrong](accuracy.md)
-- `blow`: number of the pulse of a train or drop that snaps the beam, else 0
+- `blow`: number of the pulse of a train or drop that snaps the beam, 0 if none
 - `well`, `well_share`: side of the saddle where the beam ends, and share of the mass's last 
   vibration that it spends there (1 if settled); 0 and NaN with the model `reference`; absent with 
   `until: snap`
@@ -66,11 +66,11 @@ diverged, or its energy ledger did not close. `absent`: the device has no second
   bounds
 - `t_closed`, `closed_for`, `openings`, `closed_share`: closures of an electrode, each with its 
   `_error` ([electrode](applications/electrode.md))
-- `level`: model of `auto` that decided, 0 the cheap or 1 the fine one; `agreed`: whether both 
-  agreed (1), disagreed (0), or only one ran (2)
+- `level`: model of `auto` that decided, 0 the cheap or 1 the fine one; `agreed`: whether the two
+  finer ones agreed (1), disagreed (0), or did not run (2)
 
-Attributes hold the config, versions of code and packages, shares of settled and open cells, the
-number of cells that end elsewhere with another step, and an estimate of the number of wrong labels.
+Attributes hold the config, versions of code and packages, the numbers of cells of each outcome and
+of those that end elsewhere with another step, and an estimate of how many labels are uncertain.
 
 ## The history
 

@@ -8,7 +8,6 @@ the same folder in `tests/`. Mutants are made in a copy of the clone.
 
 import argparse
 import ast
-import copy
 import os
 import random
 import subprocess
@@ -18,16 +17,9 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-OTHER = {
-    ast.Add: ast.Sub,
-    ast.Sub: ast.Add,
-    ast.Mult: ast.Div,
-    ast.Div: ast.Mult,
-    ast.Pow: ast.Mult,
-}
-OTHER |= {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq}
-OTHER |= {ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn}
-OTHER |= {ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And, ast.Pow: ast.Mult}
+PAIRS = (ast.Add, ast.Sub), (ast.Mult, ast.Div), (ast.Lt, ast.LtE), (ast.Gt, ast.GtE)
+PAIRS += (ast.Eq, ast.NotEq), (ast.Is, ast.IsNot), (ast.In, ast.NotIn), (ast.And, ast.Or)
+OTHER = {ast.Pow: ast.Mult, **dict(PAIRS), **{other: one for one, other in PAIRS}}
 SIGNS = ast.USub, ast.Not, ast.Invert
 SLOWER = 10
 """Time after which a mutant counts as caught, over that of the tests without one."""
@@ -60,32 +52,36 @@ def mutants_of(node: ast.AST) -> list[ast.AST]:
     return made
 
 
-def places(tree: ast.AST) -> list[tuple[ast.AST, str, int | None, ast.AST]]:
-    """List all mutants of a module: parent, its field and index there, and what comes there."""
+def places(tree: ast.AST) -> list[tuple[ast.AST, ast.AST]]:
+    """List all mutants of a module: what stands there, and what comes in its place."""
     found = []
     for parent in ast.walk(tree):
         for field, value in ast.iter_fields(parent):
-            if field in ("annotation", "returns", "decorator_list", "slice"):
-                continue
-            children = value if isinstance(value, list) else [value]
-            for at, child in enumerate(children):
-                index = at if isinstance(value, list) else None
-                found += [(parent, field, index, made) for made in mutants_of(child)]
+            if field not in ("annotation", "returns", "decorator_list", "slice"):
+                children = value if isinstance(value, list) else [value]
+                found += [(child, made) for child in children for made in mutants_of(child)]
     return found
+
+
+class Exchanged(ast.NodeTransformer):
+    """A module with another expression in place of one."""
+
+    def __init__(self, before: ast.AST, made: ast.AST):
+        """Take both."""
+        self.before, self.made = before, made
+
+    def visit(self, node: ast.AST) -> ast.AST:
+        """Exchange the one, wherever it is."""
+        return self.made if node is self.before else self.generic_visit(node)
 
 
 def mutate(text: str, choice: int) -> tuple[str, str]:
     """Return a module with one of its mutants, and what was changed."""
     tree = ast.parse(text)
-    parent, field, index, made = places(tree)[choice]
-    held = getattr(parent, field)
-    before = held if index is None else held[index]
-    change = f"{before.lineno}: {ast.unparse(before)}  ->  {ast.unparse(copy.copy(made))}"
-    if index is None:
-        setattr(parent, field, made)
-    else:
-        held[index] = made
-    return ast.unparse(ast.fix_missing_locations(tree)), change
+    before, made = places(tree)[choice]
+    change = f"{before.lineno}: {ast.unparse(before)}  ->  {ast.unparse(made)}"
+    mutant = Exchanged(before, made).visit(tree)
+    return ast.unparse(ast.fix_missing_locations(mutant)), change
 
 
 def passes(clone: Path, room: str, limit: float | None = None) -> bool:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import yaml
-from small_studies import THREE_COSINES, changed
+from small_studies import THREE_COSINES, cases_of, changed
 from varied import varied
 
 import snapmap
@@ -82,21 +82,12 @@ def test_thresholds_of_many_swings_are_those_of_a_quarter_of_the_step(handout):
 
 
 RATIO = 9.81
-IN_G = f"""{THREE_COSINES}
-sweep: {{N: [900, 1100], f0: [2 kHz], C: [25 uN*us/um]}}
-run: {{horizon: 100 us, until: snap}}
-requirements:
-  - {{name: shock, shape: half sine, N: 1100, duration: 0.5 ms, snaps: true}}
-  - {{name: fall, drop: {{height: 3 mm, shape: half sine, duration: 0.05 ms}}, snaps: false}}
-  - {{name: spectrum, srs: [[500 Hz, 900 g], [2 kHz, 1900 g]], snaps: true}}
-  - {{name: random, psd: [[200 Hz, 25 g^2/Hz], [2 kHz, 25 g^2/Hz]], duration: 20 ms, snaps: true}}
-"""
 
 
 @pytest.fixture(scope="module")
 def studies():
     """A study, and the same whose N counts multiples of 1 m/s^2."""
-    document = yaml.safe_load(IN_G)
+    document = yaml.safe_load(THREE_COSINES) | cases_of(__file__)
     shock = dict(document["requirements"][0], N=1100 * RATIO)
     other = changed(document, device__gravity="1 m/s^2", sweep__N=[900 * RATIO, 1100 * RATIO])
     return load_config(document), load_config(

@@ -11,7 +11,7 @@ from operator import getitem
 
 import pytest
 import yaml
-from small_studies import EVERY_PRODUCT, SHOTS, THREE_COSINES, changed
+from small_studies import EVERY_PRODUCT, SHOTS, cases_of, changed
 from small_workflow import snakemake
 
 from snapmap.applications.whole import load_config
@@ -19,21 +19,7 @@ from snapmap.files.text import describe
 from snapmap.values.faults import Faults
 from snapmap.workflow.plan import make_plan
 
-SWEEP = yaml.safe_load("""
-N: {from: 600, to: 2400, points: 7}
-f0: {from: 100 Hz, to: 30 kHz, points: 5, spacing: log}
-C: [0.025 uN*us/um, 25 uN*us/um]
-threshold_tolerance: 0.0001
-""")
-RUN = {"horizon": "1500 us", "until": "settled", "repeat": True, "energy_tolerance": 0.001}
-HISTORY = {"N": 1000, "f0": "1500 Hz", "C": "25 uN*us/um"}
-PARTS = {
-    "model": {"name": "elements", "elements": 5},
-    "sweep": SWEEP,
-    "run": RUN,
-    "histories": [HISTORY],
-}
-DEFAULT = changed(yaml.safe_load(THREE_COSINES), device__beam__damping="4e-4 /us", **PARTS)
+DEFAULT = cases_of(__file__)
 OPTIONAL = {
     *("damping", "elements", "spacing", "horizon", "until", "repeat", "histories"),
     *("energy_tolerance", "threshold_tolerance"),

@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from decimal import Decimal
 from functools import partial
 from pathlib import Path
 
@@ -13,9 +12,7 @@ import numpy as np
 import pytest
 import small_studies
 import yaml
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
-from small_studies import MISSING, faults
+from small_studies import MISSING, cases_of, faults
 
 from snapmap.applications import boundary, requirements, window
 from snapmap.applications.whole import doubts, load_config
@@ -24,21 +21,15 @@ from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import Beam, Device
 from snapmap.device.shape import TILT
-from snapmap.files.text import describe
 from snapmap.solver.options import Auto, Reference
 from snapmap.solver.settings import Run
 from snapmap.study.provenance import device_sections
-from snapmap.values import quantities
 from snapmap.values.faults import Faults
-from snapmap.values.kinds import Quantity, kind_of
-from snapmap.values.units import USUAL, by_pint
 
 ROOT = Path(__file__).parents[2]
+CASES = cases_of(__file__)
 DEFAULT = read_document(ROOT / "config/handout.yaml")
 changed = partial(small_studies.changed, DEFAULT)
-ALIASES = {key: kind_of(alias) for key, alias in vars(quantities).items()}
-KINDS = {key: kind for key, kind in ALIASES.items() if isinstance(kind, Quantity)}
-"""All kinds of quantities by name."""
 
 
 def only_fault(document):
@@ -98,26 +89,6 @@ def test_load_device_looks_at_the_device_only(tmp_path):
     assert load_device(tmp_path / "config.yaml") == load_config(DEFAULT).device
 
 
-NUMBER, POWER = r"[+-]?[0-9]{1,3}(\.[0-9]?)?(e-?[0-9]{1,4})?", r"(\^|\*\*)?-?[0-9]?"
-QUANTITIES = rf"{NUMBER} ?(/ ?)?[a-z\u00b5%]{{1,4}}([*/ ]{{1,2}}[A-Za-z]{{1,3}}{POWER}){{0,3}}"
-SIGNS = "0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²"
-
-
-@settings(max_examples=60, derandomize=True, deadline=None, database=None)
-@given(st.from_regex(QUANTITIES, fullmatch=True) | st.text(alphabet=SIGNS, max_size=30))
-@example("0 Qs^9*Rs^9/us^9/ns^8")
-@example("2**9**9")
-@example("nan um")
-def test_any_text_is_a_finite_quantity_or_a_fault(text):
-    for kind in ("Length", "Damper", "Part"):
-        try:
-            value = KINDS[kind].read(text)
-        except ValueError as error:
-            assert "\n" not in str(error)
-        else:
-            assert math.isfinite(value)
-
-
 def test_the_study_of_the_handout_is_exact():
     study = load_config(DEFAULT)
     beam = Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=150000.0, density=0.00233)
@@ -136,26 +107,6 @@ def test_the_study_of_the_handout_is_exact():
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
-
-
-UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
-RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
-NEVER = (
-    *(600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um"),
-    *("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf),
-)
-NOT_THIS = {
-    **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
-    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
-    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
-    **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
-}
-
-
-@pytest.mark.parametrize("target", USUAL)
-def test_usual_units_are_those_of_pint(target):
-    factors = {unit: by_pint(unit, target) for unit in USUAL[target]}
-    assert factors == {unit: Decimal(factor) for unit, factor in USUAL[target].items()}
 
 
 READ = """
@@ -178,21 +129,6 @@ def test_the_configs_are_read_alone_by_a_python_without_docstrings():
     run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert run.stdout == "set() 600.0\n", run.stderr
     assert "\ndevice: 3 is not a mapping\n" in run.stderr
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
-    of, values = KINDS[kind], NOT_THIS.get(kind, [])
-    if of.unit not in ("", "%"):
-        others = (unit for unit in UNITS if unit != of.unit and {unit, of.unit} != RATES)
-        sizes = (size for size in ("-3", "0") if not of.bounds.holds(float(size)))
-        beyond = (f"{size} {of.unit}" for size in ("nan", "inf", "1e25", "1e-40", *sizes))
-        values = [*values, *NEVER, *beyond, *(f"25 {unit}" for unit in others)]
-    for value in values:
-        with pytest.raises(ValueError) as caught:
-            of.read(value)
-        assert str(caught.value).startswith(describe(value)) and "\n" not in str(caught.value)
-        assert f"; write {of.noun}" in str(caught.value)
 
 
 def test_durations_stand_for_frequencies():
@@ -224,62 +160,14 @@ def test_a_history_has_the_duration_and_damper_that_the_study_alone_has():
 
 DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
 BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
-ANY = BLOW | {"snaps": "any"}
-CRASH, RESET = BLOW | {"closes_within": "1 ms"}, BLOW | {"start": "second"}
 FREE = {"device__beam__free": True, "device__beam__imperfection": "0.01 um"}
 
-
-def shaken(lowest, duration):
-    """A vibration up to 2 kHz."""
-    psd = [[frequency, "0.1 g^2/Hz"] for frequency in (lowest, "2 kHz")]
-    return {"name": "shaken", "psd": psd, "duration": duration, "snaps": False}
-
-
-OF_DEVICES = (
-    ("device.beam", {"device__beam__rise": "4 um"}),
-    ("device.weight", {"device__weight": "1 kg"}),
-    ("device.gap", {**ALONE, "device__gap": "1 um"}),
-    *(("device.force", PUSHED), ("device.gravity", {**ALONE, "device__force": "2 uN"})),
-    ("device.force", {**ALONE, **PUSHED, "pulse": DROP}),
-    ("device.quality_factor", {"device__quality_factor": 9}),
-    ("device.beam.shape.cosines", {"device__beam__shape": {"cosines": []}}),
-    ("device.contact_at", {"device__contact_at": "10 um"}),
-    ("devices['a b']", {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}),
-)
-OF_SWEEPS = (
-    *(("model.modes", {"model__modes": "5"}), ("model.cosines", {"model__cosines": -1})),
-    *(("sweep.N", {"sweep__N": [1, 2, 1.0]}), ("sweep.N[1]", {"sweep__N": [900, -1000]})),
-    ("histories[0].N", {"histories": [{"N": -1000, "f0": "1 kHz", "C": "1 uN*us/um"}]}),
-    ("maps[0].at.N", {"maps": [{"x": "f0", "y": "C", "at": {"N": -1000}}]}),
-    ("sweep.N", {"sweep__N": {"from": 1, "to": 1 + 1e-15, "points": 30}}),
-    *(("sweep.f0", {"sweep__f0": f0}) for f0 in (MISSING, ["1 kHz", "1000 Hz"])),
-    *(("sweep.N.points", {f"sweep__N__{key}": n}) for key, n in (("points", 1), ("to", 600))),
-    ("sweep.N.spacing", {"sweep__N__spacing": "log", "sweep__N__from": 0}),
-    ("sweep.duration", {"sweep__duration": ["1 ms"]}),
-    ("sweep.C", {**ALONE, "sweep__C": ["1 kg/s"]}),
-    ("sweep", {**ALONE, "sweep__spring": ["1 N/m"]}),
-    ("run.start", {**FREE, "run": {"start": "second"}}),
-    ("pulse.form", {"pulse": {"shape": "half sine", "form": 1}}),
-    *(("histories", {"histories": {}}), ("histories[0]", {"histories": [3]})),
-    ("histories[0].f0", {"histories": [{"N": 1, "C": "1 kg/s"}]}),
-    ("histories[1]", {"histories": [{"N": 1, "f0": "1 Hz", "C": "1 kg/s"}] * 2}),
-    *(("marks", {"marks": name}) for name in ("none.csv", "/etc/passwd", "")),
-)
-OF_REQUIREMENTS = (
-    ("device.contact_at", {}, CRASH),
-    ("device.strength", {}, ANY),
-    ("requirements[0].closes_within", {}, CRASH | {"snaps": False}),
-    ("requirements[0].psd", {}, shaken("0.01 Hz", "100 h")),
-    ("requirements[0].duration", {}, shaken("20 Hz", "1e-9 s")),
-    ("requirements[0].start", FREE, RESET),
-    ("requirements[0].shape", {"pulse": DROP}, BLOW),
-    *((f"requirements[0].{key}", {}, BLOW | {key: n}) for key, n in (("rise", "20 %"), ("N", -1))),
-    ("requirements[0].snaps", {}, ANY | {"survives": False}),
-)
+NAMED = {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}
 FAULTY = (
     *(("config", document) for document in (None, 3, "device", [], [DEFAULT])),
-    *((key, changed(**values)) for key, values in (*OF_DEVICES, *OF_SWEEPS)),
-    *((key, changed(**values, requirements=[one])) for key, values, one in OF_REQUIREMENTS),
+    ("devices['a b']", changed(**NAMED)),
+    *((key, changed(**values)) for key, values in CASES["faulty"]),
+    *((key, changed(**values, requirements=[one])) for key, values, one in CASES["requirements"]),
 )
 
 
@@ -484,19 +372,7 @@ def test_a_device_has_a_name_in_any_letters(name):
     assert [*load_config(document).devices()] == [name]
 
 
-FAR = {
-    **{"sweep__N": [1e14], "run__horizon": "200 s", "device__contact": "1e9 N/m"},
-    **{"device__spring": "1e14 N/m", "device__beam__damping": "1e14 /us"},
-    **{"device__beam__residual_stress": "-4000 MPa", "device__mass": "6e-6 kg"},
-    **{"device__gap": "1e-6 um", "device__stop_away": "6 mm"},
-    **{"device__temperature": "3000 degC", "device__modulus_slope": "-60 /K"},
-    "histories": [{"N": 1e14, "f0": "1 kHz", "C": "1 uN*us/um"}],
-    "requirements": [{"name": "drop", "N": 1e14, "f0": "1 kHz", "snaps": False}],
-}
-NEAR = {"run__horizon": "1e-9 us", "device__contact": "1e-9 N/m"}
-
-
-@pytest.mark.parametrize(("key", "value"), [*FAR.items(), *NEAR.items()])
+@pytest.mark.parametrize(("key", "value"), CASES["far"])
 def test_a_value_far_off_is_told_in_one_line(key, value):
     (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
     name = "N" if isinstance(value, list) else key.rpartition("__")[2]

@@ -7,7 +7,7 @@ import tracemalloc
 import numpy as np
 import pytest
 import yaml
-from small_studies import THREE_COSINES, changed, faults
+from small_studies import THREE_COSINES, cases_of, changed, faults
 from small_workflow import snakemake
 
 import snapmap
@@ -20,13 +20,7 @@ from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.pulse import ACCELERATIONS, TIMES, read_pulse
 from snapmap.pulse.shocks import make_shocks
 
-STUDY = f"""{THREE_COSINES}pulse: {{file: shock.csv}}
-marks: points.csv
-requirements: [{{name: drop, file: shock.csv, N: 1000, snaps: false}}]
-sweep: {{N: {{from: 600, to: 2400, points: 3}}, C: [25 uN*us/um]}}
-run: {{horizon: 0 us, until: snap}}
-"""
-DOCUMENT = yaml.safe_load(STUDY)
+DOCUMENT = yaml.safe_load(THREE_COSINES) | cases_of(__file__)
 
 
 def write_record(path, power):
@@ -44,7 +38,7 @@ def write_table(path, header, *columns):
 def folder(tmp_path, monkeypatch):
     """A folder with a study, its record and its points."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.yaml").write_text(STUDY, encoding="utf-8")
+    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(DOCUMENT), encoding="utf-8")
     (tmp_path / "points.csv").write_text("N,f0\n1000,2000\n", encoding="utf-8")
     write_record(tmp_path / "shock.csv", 1)
     return tmp_path

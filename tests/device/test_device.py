@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -47,6 +48,50 @@ def test_a_size_that_is_not_positive_and_finite_is_refused(value):
             replace(DEVICE, contact=value)
 
 
+UNFIT = cases_of(__file__)
+
+
+@pytest.mark.parametrize("line", UNFIT)
+def test_values_that_do_not_fit_each_other_are_refused_in_a_line(line):
+    with pytest.raises(ValueError, match=f"^{line}$"):
+        varied(DEVICE, **UNFIT[line])
+    varied(DEVICE, imperfection=60.0, free=1.0), varied(DEVICE, rise=1.0, thickness=1e-6)
+
+
+def test_a_device_has_the_stiffness_frequencies_and_mass_of_handbooks():
+    """The clamps lie in series with the beam: together they hold as much as it does alone."""
+    beam, EI, EA = DEVICE.beam, 150e3 * 22 * 8 / 12, 150e3 * 44
+    soft = replace(beam, clamp_axial=2 * EA / 600, residual_stress=-5.0)
+    assert (beam.bending_stiffness, beam.stiffness_unit) == pytest.approx((EI, EI / 600**3))
+    assert (beam.held, soft.held) == (1.0, 0.5) and beam.weight == pytest.approx(2.33e-3 * 44 * 600)
+    assert (beam.axial_stiffness, soft.axial_stiffness) == pytest.approx((EA / 1200, EA / 2400))
+    assert beam.buckling_stress == pytest.approx(4 * np.pi**2 * EI / 44 / 600**2)
+    assert soft.compression == pytest.approx(5.0 / beam.buckling_stress / 2)
+    assert soft.bistability == pytest.approx(5.0 / math.sqrt(2))
+    flat = replace(soft, rise=0.0, residual_stress=-50.0)
+    c = 25.0 / beam.buckling_stress  # held, and w^2 (pi/2 L)^2 E = (c - 1) buckling stress
+    assert flat.height == pytest.approx(2.0 * math.sqrt(4 / 3 * (c - 1) / 0.5), rel=1e-7)
+    bending = 22.373285448 / 600**2 * math.sqrt(EI / (2.33e-3 * 44))
+    assert beam.bending_frequency == pytest.approx(bending)
+    heavy = DEVICE.own_frequency, replace(DEVICE, mass=1e-3).own_frequency
+    assert heavy == pytest.approx((math.sqrt(5.5 / 1e4), bending))
+    with pytest.raises(ValueError, match=r"a stress below -19\.\d+ MPa or, .* above 3\.347$"):
+        replace(beam, rise=4.0, clamp_axial=2e4).require_second_shape()
+
+
+def test_a_batch_is_its_devices_and_tells_of_each():
+    several = [DEVICE, varied(DEVICE, **ALONE), replace(DEVICE, stop_away=3.0, contact_at=-4.0)]
+    made = batch(several)
+    assert len(made) == 3 and [made.pick(i) for i in range(3)] == several
+    told = np.array([made.is_alone, made.has_stops, made.has_electrode], int)
+    assert told.tolist() == [[0, 1, 0], [0, 0, 1], [0, 0, 1]]
+    assert made.pick(np.array([False, True, True])).stop_away.tolist() == [math.inf, 3.0]
+    with pytest.raises(ValueError, match=r"^mass: a beam alone is no value of an axis$"):
+        made.vary({"mass": np.zeros(3)})
+    with pytest.raises(ValueError, match=r"^span: -1\.0 is not a number above 0 in um$"):
+        made.vary({"span": np.array([1.0, -1.0, 600.0])})
+
+
 MADE = [
     {"residual_stress": -11.0, "free": 1.0, "imperfection": 0.01, "damping": 4e-4},
     {"cosine_2": 0.08, "cosine_3": 0.2, "clamp_axial": 2e4},
@@ -80,20 +125,16 @@ def silicon(handout):
     return replace(handout, **THERMAL)
 
 
-def at(device, temperature):
-    return batch([device]).vary({"temperature": np.array([temperature])}).pick(0)
-
-
 def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(silicon):
-    hot = at(silicon, 120.0)
+    hot = silicon.at(120.0)
     assert hot.beam.youngs_modulus == pytest.approx(150e3 * (1 - 63e-4), rel=1e-15)
     assert hot.beam.residual_stress == pytest.approx(150e3 * 0.5e-4, rel=1e-15)
     (C,) = to_cells(batch([hot]), [0], [1000.0], [1500.0], [25.0], 0.0).damping
     assert pytest.approx(25 * (393.15 / 293.15) ** 0.7, rel=1e-15) == C
-    once, twice = at(silicon, -40.0), at(at(silicon, 300.0), -40.0)
+    once, twice = silicon.at(-40.0), silicon.at(300.0).at(-40.0)
     assert twice.beam.youngs_modulus == pytest.approx(once.beam.youngs_modulus, rel=1e-14)
     assert twice.beam.residual_stress == pytest.approx(once.beam.residual_stress, rel=1e-12)
-    assert at(silicon, 20.0).beam == silicon.beam
+    assert silicon.at(20.0).beam == silicon.beam
 
 
 def test_the_axis_is_the_device_with_other_values(silicon):
@@ -102,7 +143,7 @@ def test_the_axis_is_the_device_with_other_values(silicon):
     along = snapmap.threshold(
         Study(silicon, **how), C=[25.0], **asked, axes={"temperature": [-40.0, 20.0, 120.0]}
     )
-    hot = replace(at(silicon, 120.0), damper_exponent=0.0)
+    hot = replace(silicon.at(120.0), damper_exponent=0.0)
     alone = snapmap.threshold(Study(hot, **how), C=[C], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)
     assert along.temperature.attrs["units"] == "degC"

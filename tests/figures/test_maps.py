@@ -11,6 +11,7 @@ from matplotlib.collections import FillBetweenPolyCollection, QuadMesh
 from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import PathPatch
 from small_results import TINY, artists, legend_words, make_cells, make_found, visible
+from small_studies import cases_of
 
 import snapmap
 from snapmap.config.points import Point, read_points
@@ -315,19 +316,7 @@ def test_shocks_stand_where_they_are_and_names_are_no_mathematics():
 
 
 COLUMNS = "N,f0 (Hz),name,snapped\n1000,400,bench,yes\n\n1100,800,,NO\n900,1e3,,\n"
-FAULTS = {
-    "": "",
-    "N,f0,colour\n": "line 1: column 'colour'",
-    "N,f0,f0 (Hz)\n": "line 1: column f0",
-    "N\n1\n": "line 1: ",
-    "N,f0\n1,2\n1\n": "line 3, column f0: ''",
-    "N,duration\n1,0\n": "line 2, column duration: '0'",
-    "N,f0\n1,5,2\n": "line 2: ",
-    'N,f0\n"1,5",2\n': "line 2, column N: '1,5'",
-    "N,f0,snapped\n1,2,maybe\n": "line 2, column snapped: 'maybe'",
-}
-
-
+FAULTS = cases_of(__file__)
 READ = {COLUMNS: (*POINTS, Point("", 900.0, 1000.0, None))}
 READ["duration,N\n0.5,70\n"] = (Point("", 70.0, 2e3, None),)
 

@@ -13,6 +13,7 @@ import numpy as np
 import pint
 import pytest
 import xarray as xr
+from small_studies import cases_of
 
 import snapmap
 from snapmap.device.device import Beam, Device, batch
@@ -169,35 +170,17 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, stride):
     assert len(faults) <= 49, faults
 
 
-DROP = NESTED["requirements"][0][0]
-BEYOND = (
-    *(("sweep", "f0", [1500.0] * 2), ("threshold", "tolerance", 0.0100001)),
-    *(("srs_test", "seed", 2**32), ("vibration", "seed", -1), ("vibration", "reach", 1.0)),
-    ("vibration", "psd", [(2000, 4.0), (200, 4.0)]),
-    *(("tolerance", "samples", 8.5), ("tolerance", "scatters", {"beam": 1.0})),
-    *(("tolerance", "requirements", [DROP | wrong]) for wrong in ({"name": 3}, {"N": 0.0})),
-    ("tolerance", "requirements", [{"name": "drop", "N": 500.0}]),
-)
+CASES = cases_of(__file__)
 
 
 def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_calls):
-    for name, key, value in BEYOND:
+    for name, key, value in CASES["beyond"]:
         assert fault_of(name, {**right_calls[name], key: value}, key) == "", (name, key)
-
-
-OF_STUDY = (
-    *(("threads", 0), ("threads", 1025), ("energy_tolerance", 1.0)),
-    *(("horizon", -1e-9), ("start", "third"), ("until", "moved")),
-    *(("skip", [True]), ("direction", []), ("direction", "up"), ("direction", ["+z"] * 2)),
-    *(("model", "auto "), ("model", {"name": "cosines", "elements": 5}), ("model", {"modes": 3})),
-    *(("model", {"name": "cosines", "modes": 3.5}), ("pulse", "half  sine"), ("pulse", [])),
-    *(("pulse", {"train": [{"duration": 5.0, "wait": 5.0}]}), ("pulse", {"drop": {"height": 1.0}})),
-)
 
 
 def test_a_wrong_value_of_a_study_is_one_line_that_names_it():
     every = itertools.product(("device", "pulse", "horizon", "skip"), WRONG)
-    for key, value in [*OF_STUDY, *(one for one in every if not is_right(*one))]:
+    for key, value in [*CASES["of_study"], *(one for one in every if not is_right(*one))]:
         with pytest.raises((ValueError, TypeError)) as caught:
             snapmap.Study(**{"device": DEVICE, key: value})
         line = str(caught.value)
@@ -374,3 +357,18 @@ def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls, kind)
             assert made == other
         else:
             assert made.identical(other) and "np." not in other.attrs["config"]
+
+
+def test_coordinates_of_its_own_cubes_are_taken(handout):
+    study = snapmap.Study(handout, **CHEAP)
+    axes = {"thickness": [2.0]}
+    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes=axes)
+    assert (cube.f0.units, cube.C.units, cube.thickness.units) == ("Hz", "uN us um-1", "um")
+    axes = {"thickness": cube.thickness}
+    edges = snapmap.threshold(study, cube.f0, cube.C, axes=axes)
+    assert edges.N_first.units == "1"
+    again = snapmap.sweep(study, cube.N, cube.f0, cube.C, axes=axes)
+    xr.testing.assert_identical(again.t_snap, cube.t_snap)
+    run = snapmap.simulate(study, edges.N_first.item() * 1.1, 1500.0, 25.0)
+    assert snapmap.sampled(run.time, -run.acceleration + run.acceleration[0]).duration > 600
+    assert snapmap.threshold(study, xr.DataArray([1500.0]), 25.0).N_first.notnull().all()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.signal import lsim
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of
 
 import snapmap
 from snapmap import Study
@@ -117,33 +117,7 @@ def test_of_a_double_well_nothing_is_said_that_nobody_knows(double_well):
     assert np.isnan(run.stress).all()
 
 
-REFUSED = {
-    "def damping(v): return v": ", line 1: damping: takes (v); write (C, velocity, place)",
-    "x = 1": ": no law; write a function named damping or contact or force",
-    "def contact(k, s): return 'a'": ", line 1: contact: returns 'a'; return a float",
-    "def contact(k, s): return open(s)": ", line 1: contact: numba cannot compile it; ",
-    "damping = 1": ": damping: is not a function",
-    "def force(x): return x": ", line 1: force: no two stable shapes; make it 0 at",
-    "\ndef force(x): return abs(x)*(x-8.)*(x-18.)": ", line 2: force: no two stable shapes; make",
-    "def force(x)": ", line 1: SyntaxError: expected ':'",
-    "raise SystemExit(0)": ", line 1: SystemExit: 0",
-    "import sys\nsys.exit()": ", line 2: SystemExit",
-    "1 / 0": ", line 1: ZeroDivisionError: division by zero",
-    "def damping(C, v, y):\n  if v>0: raise ValueError(1)\n  return v": ", line 2: damping: ValueE",
-    "def force(x):\n  if x<-1: raise ValueError(1)\n  return x": ", line 2: force: ValueError: 1",
-    "damping = lambda C, v, y: 0. if v>0 else sum(())": ", line 1: damping: numba cannot compile",
-    "unit_of_C = 'uN'\ndef contact(k, s): return k * s": ": unit_of_C: needs a law of damping",
-}
-for drag in ("-C * v", "C * abs(v)", "-C * abs(v)", "C * v * y", "-C * v * y"):
-    drives = ", line 1: damping: drives the mass; give it the sign of"
-    REFUSED[f"def damping(C, v, y): return {drag}"] = drives
-for unit, needs in {
-    "uN*uss/um": "has an unknown unit, 'uN*uss/um'",
-    "9**9**9": "'9**9**9' is not a unit; write one such as uN*us^3/um^3, or 1",
-    3: "3 is not a unit; write",
-}.items():
-    law = f"unit_of_C = {unit!r}\ndef damping(C, v, y): return C * v"
-    REFUSED[law] = f": unit_of_C: {needs}"
+REFUSED = cases_of(__file__)
 
 
 @pytest.mark.parametrize("written", REFUSED)

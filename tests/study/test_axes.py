@@ -82,7 +82,7 @@ def test_a_study_names_the_point_that_cannot_be():
 
 
 def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):
-    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 2e-4)
+    monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 1e-3)
     whole = document(thickness=["1.8 um", "1.9 um", "4 um"]) | {"skip": True}
     whole |= {"model": {"name": "cosines", "modes": 3}}
     study = load_config(whole)

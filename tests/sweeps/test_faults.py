@@ -7,24 +7,17 @@ import pytest
 import xarray as xr
 import yaml
 from small_results import TINY, make_cells
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of
 
 import snapmap
 from snapmap.applications.whole import load_config
 from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
 
-SWEEP = """sweep:
-  N: [600, 1200, 2400]
-  f0: [1 kHz, 3 kHz]
-  C: [0.025 uN*us/um, 25 uN*us/um, 50 uN*us/um]
-run: {horizon: 300 us, until: snap}
-"""
-
 
 @pytest.fixture(scope="module")
 def study():
-    return load_config(yaml.safe_load(THREE_COSINES + SWEEP))
+    return load_config(yaml.safe_load(THREE_COSINES) | cases_of(__file__))
 
 
 @pytest.fixture
@@ -80,6 +73,7 @@ def test_holes_and_slabs_given_twice_are_refused(slabs):
     paths, axes = slabs
     with pytest.raises(ValueError, match=r"\A.*C = 25\.0 .*\n.*C = 50\.0 .*\Z"):
         collect_slabs([paths[0]], axes, {})
+    assert collect_slabs(paths[:2], axes | {"C": axes["C"][:2]}, {}).outcome.size == 12
     with pytest.raises(ValueError, match=r"24 cells .* 18"):
         collect_slabs([*paths, paths[-1]], axes, {})
 

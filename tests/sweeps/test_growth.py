@@ -10,7 +10,7 @@ import yaml
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from small_results import assert_same_cube
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of
 
 import snapmap
 from snapmap import Study
@@ -143,17 +143,7 @@ def test_slabs_have_as_many_C_as_their_jobs_have_time_for(tmp_path, followed, mo
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 
-NAMED = """
-devices:
-  {names}
-pulse: {{shape: [half sine, sawtooth, versed sine], direction: both}}
-model: {{name: cosines, modes: 3}}
-sweep: {{N: [700, 900, 1100, 2000], f0: [1 kHz, 2 kHz], C: [25 uN*us/um, 50 uN*us/um]}}
-run: {{horizon: 200 us, until: snap}}
-"""
-
-
-@pytest.mark.parametrize("share", [0.1, 0.4, 2.0])
+@pytest.mark.parametrize("share", [0.2, 0.4, 2.0])
 def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, monkeypatch, share):
     """A named device that is new, or that has another value, is followed alone."""
 
@@ -163,7 +153,7 @@ def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, mo
             name: device | {"beam": device["beam"] | {"thickness": f"{value} um"}}
             for name, value in thickness.items()
         }
-        return load_config(yaml.safe_load(NAMED.format(names="{}")) | {"devices": named})
+        return load_config(cases_of(__file__) | {"devices": named})
 
     thin, thick = named(zinc=1.9, tin=2.0, tin2=2.1), named(gold=2.05, zinc=1.8, tin=2.0, tin2=2.1)
     monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 10.0)

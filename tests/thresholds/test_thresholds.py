@@ -17,7 +17,7 @@ from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, REPEATED_STEP, label
 from snapmap.solver.settings import Run
 from snapmap.thresholds.edges import stretches
-from snapmap.thresholds.effort import CLOSE_STEP
+from snapmap.thresholds.effort import CLOSE_PLACES, CLOSE_STEP
 from snapmap.thresholds.probe import Probe, amplitudes, near, walk
 from snapmap.thresholds.ragged import refine_edges
 from snapmap.thresholds.search import Search, find_changes
@@ -127,6 +127,35 @@ def test_a_bar_holds_the_error_of_a_step_of_second_order(handout, h):
     error = changes.N_first[0] - 1
     assert not ragged and error == pytest.approx(1e-3 * h * h, abs=2e-6)
     assert error <= bar <= 2.5 * error + 1e-5
+
+
+class Steady(Snapping):
+    """A model that no step changes."""
+
+    def with_step(self, factor):
+        return self
+
+
+BARS = [
+    ([1.003, 9.0], [0.998, 9.0], None, 0.005),  # the better model itself is off by 0.002
+    ([1.003, 9.0], SIMPLE, None, 0.003),
+    (SIMPLE, SIMPLE, [0.994, 0.996, 1.0, 9.0], 0.006),
+    (SIMPLE, SIMPLE, [1.0, 1.003, 1.006, 9.0], 0.0),
+]
+
+
+@pytest.mark.parametrize(("worse", "better", "finest", "bar"), BARS)
+def test_a_bar_reaches_other_models_and_islands_that_only_the_finest_sees(
+    handout, worse, better, finest, bar
+):
+    device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
+    decides, *others = (Steady(device, ends) for ends in (SIMPLE, worse, better))
+    models = Survey(decides, decides, decides, tuple(others), None, np.ones(1))
+    models = models._replace(finest=Steady(device, finest) if finest else None)
+    search = Bounded(models, rows, Run(), 1e-6)
+    (made, none), (ragged, _) = make_bars(search, find_changes(search))
+    step = CLOSE_STEP * CLOSE_PLACES[0] + 3e-6
+    assert bar <= made <= 1.25 * bar + 2 * step and np.isnan(none) and not ragged
 
 
 def test_the_distance_to_another_level_is_bracketed():

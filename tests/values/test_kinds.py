@@ -1,20 +1,34 @@
 """Kinds of values: text, plain numbers and objects with units give the same bits, or a line."""
 
+import inspect
+import math
+import re
+from decimal import Decimal
+
 import numpy as np
 import pint
 import pytest
 import xarray as xr
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from small_studies import cases_of
 
 import snapmap
+from snapmap.files.text import describe
 from snapmap.values import quantities
-from snapmap.values.kinds import Quantity, Several, kind_of
+from snapmap.values.arguments import Argument, by_name, convert, one_time
+from snapmap.values.faults import Faults, at_key, few, line_at, name_of
+from snapmap.values.kinds import ByName, Items, Pair, Quantity, Several, Whole, Word, kind_of
+from snapmap.values.units import USUAL, by_pint, of_file, require_unit, spelling, spelling_of, used
 
 U = pint.UnitRegistry()
+CASES = cases_of(__file__)
 KINDS = {
     name: kind
     for name, alias in vars(quantities).items()
-    if isinstance(kind := kind_of(alias), Quantity) and kind.unit
+    if isinstance(kind := kind_of(alias), Quantity)
 }
+OF_UNITS = [name for name in KINDS if KINDS[name].unit]
 
 
 class Row(np.ndarray):
@@ -46,29 +60,22 @@ def test_objects_with_units_give_the_bits_of_text(name, text, others):
         assert take(other) == take(text)
 
 
-EXACT = {
-    "Length": {"600um": 600.0, "600 µm": 600.0, " 0.6 mm\n": 600.0, ".6e0 mm": 600.0},
-    "Stiffness": {"20 mN/m": 0.02, "3 N/m": 3.0, "2 kN/m": 2000.0, "0.5 uN/um": 0.5},
-    "Density": {"2.33 g/cm**3": 0.00233, "2330 kg/m³": 0.00233, "2330 kg m^-3": 0.00233},
-    "Modulus": {"150000 N/mm^2": 150000.0},
-    "Mass": {"1e-8 kg": 1e4, "3 mg": 3e6, "7 µg": 7e3, "0.1 ug": 100.0, "none": 0.0},
-    "Temperature": {"300 K": 26.85, "-40 degC": -40.0, "0.15 K": -273.0},
-    "Stress": {"-11 MPa": -11.0, "0.15 GPa": 150.0, "-2e3 Pa": -0.002, "3 N/m^2": 3e-6},
-    "Frequency": {"1.5 kHz": 1500.0, "30 1/s": 30.0, "2 MHz": 2e6},
-    "PulseTime": {"0.5 ms": 500.0, "2 s": 2e6, "1e3 us": 1e3},
-    "Acceleration": {"9.81 m/s^2": 9.81e-6, "1 um/us^2": 1.0},
-    "Rate": {"4e-4/us": 4e-4, "4e-4 1 / us": 4e-4, "0 /us": 0.0, "50 /s": 5e-5},
-    "Expansion": {"-63e-6 /K": -63e-6},
-    "Share": {"12.5 %": 0.125, "5%": 0.05},
-    "Damper": {"25 uN*us/um": 25.0, "0.001 kg/s": 1000.0, "0.2 mN*s/m": 200.0},
-    "Contact": {"hard": np.inf, "40 N/m": 40.0},
-}
+KILOHERTZ = (
+    *(1 * U.kHz, 1000 * U.Hz, [1 * U.kHz], np.array(1.0).view(Row), variable([1.0], "kHz")),
+    *([1, 2] * U.kHz, np.array([1.0, 2.0]).view(Row), xr.DataArray([1.0, 2.0] * U.kHz)),
+)
 
 
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("value", KILOHERTZ, ids=str)
+def test_numbers_and_rows_count_in_their_unit(value):
+    taken = kind_of(quantities.Frequencies).take(value)
+    assert taken.tolist() == [1000.0, 2000.0][: taken.size]
+
+
+@pytest.mark.parametrize("name", CASES["exact"])
 def test_text_has_the_very_float_of_its_number_in_internal_units(name):
     kind = kind_of(getattr(quantities, name))
-    for text, number in EXACT[name].items():
+    for text, number in CASES["exact"][name].items():
         assert kind.read(text) == kind.take(text) == number
 
 
@@ -84,17 +91,191 @@ def test_a_list_of_a_config_ascends_and_a_value_counts_once_in_any_unit():
             kind.take(twice)
 
 
-@pytest.mark.parametrize("name", KINDS)
+NUMBER, POWER = r"[+-]?[0-9]{1,3}(\.[0-9]?)?(e-?[0-9]{1,4})?", r"(\^|\*\*)?-?[0-9]?"
+QUANTITIES = rf"{NUMBER} ?(/ ?)?[a-z\u00b5%]{{1,4}}([*/ ]{{1,2}}[A-Za-z]{{1,3}}{POWER}){{0,3}}"
+SIGNS = "0123456789.eE+-*/^ umNkgHzrad\N{MICRO SIGN}%()²"
+
+
+@settings(max_examples=60, derandomize=True, deadline=None, database=None)
+@given(st.from_regex(QUANTITIES, fullmatch=True) | st.text(alphabet=SIGNS, max_size=30))
+@example("0 Qs^9*Rs^9/us^9/ns^8")
+@example("2**9**9")
+@example("nan um")
+def test_any_text_is_a_finite_quantity_or_a_fault(text):
+    for kind in ("Length", "Damper", "Part"):
+        try:
+            value = KINDS[kind].read(text)
+        except ValueError as error:
+            assert "\n" not in str(error)
+        else:
+            assert math.isfinite(value)
+
+
+UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
+RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
+NEVER = (
+    *(600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um"),
+    *("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf),
+)
+NOT_THIS = {
+    **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
+    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
+    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
+    **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
+}
+
+
+@pytest.mark.parametrize("target", USUAL)
+def test_usual_units_are_those_of_pint(target):
+    factors = {unit: by_pint(unit, target) for unit in USUAL[target]}
+    assert factors == {unit: Decimal(factor) for unit, factor in USUAL[target].items()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
+    of, values = KINDS[kind], NOT_THIS.get(kind, [])
+    if of.unit not in ("", "%"):
+        others = (unit for unit in UNITS if unit != of.unit and {unit, of.unit} != RATES)
+        sizes = (size for size in ("-3", "0") if not of.bounds.holds(float(size)))
+        beyond = (f"{size} {of.unit}" for size in ("nan", "inf", "1e25", "1e-40", *sizes))
+        values = [*values, *NEVER, *beyond, *(f"25 {unit}" for unit in others)]
+    for value in values:
+        with pytest.raises(ValueError) as caught:
+            of.read(value)
+        assert str(caught.value).startswith(describe(value)) and "\n" not in str(caught.value)
+        assert f"; write {of.noun}" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", CASES["wrong"])
+def test_text_of_a_config_is_refused_with_what_is_right(name):
+    kind = kind_of(getattr(quantities, name))
+    such = f"'{kind.example}'" if kind.unit else kind.example
+    right = f"{kind.noun} such as {such}{', or the word hard' * (name == 'Contact')}"
+    for text, words in CASES["wrong"][name].items():
+        with pytest.raises(ValueError, match=rf"^'{text}' {re.escape(words)}; write {right}$"):
+            kind.read(text)
+
+
+LENGTH, TRIED = Quantity("a length", "um", "600 um"), Word(("a", "bc", True))
+NUMBERS, RANGE = Several(Quantity("a number", "", "1", "[0, inf)")), {"from": 0, "to": 2}
+READ = {
+    "an empty list is not a list or a range {from, to, points, spacing}, each": (NUMBERS, []),
+    ".to: missing; write a number from 0\n.points: missing; write a": (NUMBERS, {"from": 1}),
+    ".points: 1 needs equal ends; write": (NUMBERS, RANGE | {"points": 1}),
+    ".points: 2 needs from and to that differ": (NUMBERS, RANGE | {"points": 2, "to": 0}),
+    ".spacing: 'logs' is not one of linear, log; did": (
+        NUMBERS,
+        RANGE | {"points": 2, "spacing": "logs"},
+    ),
+    ".spacing: log needs from and": (NUMBERS, RANGE | {"points": 2, "spacing": "log"}),
+    "[1]: 'x' is not a plain number; write a number such as 1": (NUMBERS, [2, "x"]),
+    **{f"{n} is not a whole number from 1 to 100": (Whole(1, 100), n) for n in (0, 101, 2.0)},
+    "1 is not a whole number from 2": (Whole(2), 1),
+    "the list 1 is not a pair of values: its range, each a length above 0": (Pair(LENGTH), [1]),
+    ".x: '1' has no unit; write a length such as '600 um'": (ByName(LENGTH), {"x": "1"}),
+    "'x' is not a, bc or true": (TRIED, "x"),
+}
+TAKEN = {
+    **{f"{n} is not a number above 0 in um": (LENGTH, n) for n in (-1.0, True, [[1.0]])},
+    "-2.0 is not a number above 0 in um": (LENGTH, [1.0, -2.0]),
+    "a DataArray in cd does not convert to um; write a number": (LENGTH, variable(3, "cd")),
+    "a DataArray in m+s has an unknown unit, 'm+s'; write a": (LENGTH, variable(3, "m+s")),
+    "a DataArray in um has a unit; write a number": (NUMBERS.of, variable(3, "um")),
+    "[1.0, 1.0] is not a number or several, each once, from 0": (NUMBERS, [1.0, 1.0]),
+    "[1, 2, 3] is not a pair of numbers, low and high": (Pair(LENGTH), [1, 2, 3]),
+    "3 is not a list, each a number above 0 in um": (Items(LENGTH), 3),
+    "3 is not a mapping": (ByName(LENGTH), 3),
+    '1 is not "a", "bc" or True': (TRIED, 1),
+    '1 is not "a"': (TRIED, np.int8(1)),
+    '[True] is not "a", "bc" or True': (TRIED, [True]),
+}
+
+
+@pytest.mark.parametrize(("way", "wrong"), [("read", READ), ("take", TAKEN)])
+def test_lists_words_and_pairs_are_refused_in_the_words_of_a_config_or_of_python(way, wrong):
+    for line, (kind, value) in wrong.items():
+        with pytest.raises(ValueError, match=rf"^{re.escape(line)}"):
+            getattr(kind, way)(value)
+
+
+def test_right_values_of_parts_are_converted_each():
+    assert Pair(LENGTH).read(["1 nm", "2 um"]) == Pair(LENGTH).take([0.001, 2.0]) == (0.001, 2.0)
+    assert Items(LENGTH).read(["2 um", "1 nm"]) == [2.0, 0.001]
+    assert ByName(LENGTH).take({"x": 3.0}) == {"x": 3.0}
+    assert [Whole(1, 3).take(number) for number in (1, np.int8(3))] == [1, 3]
+    assert [TRIED.take(word) for word in ("a", True, np.bool_(True))] == ["a", True, True]
+    powers = NUMBERS.read({"from": 1, "to": 4, "points": 3, "spacing": "log"})
+    assert powers == pytest.approx([1, 2, 4])
+
+
+@pytest.mark.parametrize("unit", CASES["spelt"])
+def test_a_unit_is_spelt_for_files_figures_and_the_page_and_read_back(unit):
+    assert (*spelling(unit), of_file(spelling(unit).files)) == tuple(CASES["spelt"][unit])
+
+
+def test_values_are_told_in_the_units_that_users_read():
+    assert used("150000.0 MPa", "GPa") == "150 GPa" and used("1e-05 um/us^2", "m/s^2") == "10 m/s^2"
+    assert used("0.00233 ng/um^3", "kg/m^3", True) == "2330\u00a0kg/m³"
+    assert used("3.0 um", "") == "3 um" and used("half sine", "none") == "half sine"
+    assert spelling_of("2 m/s^2", "um/us^2") == ("m/s^2", 1e-6)
+    assert spelling_of(3.0, "um") == ("um", 1.0)
+    assert [*map(require_unit, ("1", "uN/um", "uN*us^3/um^3"))] == ["", "uN/um", "uN*us^3/um^3"]
+    for wrong in ("9**9", "um*flurb"):
+        with pytest.raises(ValueError, match=r"is not a unit; write one|has an unknown unit"):
+            require_unit(wrong)
+
+
+def test_a_fault_has_the_path_of_its_key_and_many_are_few():
+    assert name_of(()) == "config" and name_of(("a", 0, "b c", "d")) == "a[0]['b c'].d"
+    assert name_of(["x" * 40]) == "x" * 40 and name_of(["x" * 41]).startswith("['xxx")
+    lines = {
+        "b": "a: b",
+        ".b: c": "a.b: c",
+        "[1]: c": "a[1]: c",
+        "a: c": "a: c",
+        "a.b: c": "a.b: c",
+    }
+    assert {line: line_at(["a"], line) for line in lines} == lines
+    assert line_at((), ".b: c") == "b: c"
+    assert few(["x"] * 3) == ["x"] * 3 and few(["x", *"abc"]) == ["x (and 3 others of this list)"]
+    with pytest.raises(ValueError, match=r"^\.a\[1\]: words$"), at_key("a", 1):
+        raise ValueError("words")
+
+
+def test_names_of_a_call_are_known_missing_or_asked_for():
+    sizes = {key: Argument(LENGTH) for key in ("span", "rise")}
+    given = {"spam": 1.0, "x": 1.0, "y": 1.0}
+    lines = ["rise: is none", "spam: unknown key; did you mean span?"]
+    lines += ["x: unknown key; known here are span, rise", "y: unknown key; write z"]
+    with pytest.raises(Faults) as caught:
+        convert(sizes, given, faults={"rise": "is none"}, elsewhere={"y": "; write z"})
+    assert [*caught.value.args] == [*lines, "span: missing; write a number above 0 in um"]
+    many = {f"key_{number}": Argument(LENGTH, True, True) for number in range(21)}
+    assert convert(many, {"key_0": None, "key_1": 2.0}) == {"key_0": None, "key_1": 2.0}
+    with pytest.raises(Faults, match=r"^abc: .* here are( key_\d+,){9} key_\d+ and 11 others$"):
+        convert(many, {"abc": 1.0})
+    excluded = {"duration": "excludes f0, which is 1/duration; write one of them"}
+    assert one_time(["f0", "duration"]) == excluded and one_time([], True) == one_time(["f0"]) == {}
+    assert one_time([]) == {"f0": "missing; write f0 or duration"}
+    parameters = inspect.signature(lambda a, b, *, c: None).parameters
+    values, faults = by_name("f", parameters, (1, 2, 3), {"a": 4, "c": 5})
+    assert values == {"a": 4, "b": 2, "c": 5} and faults == {
+        "f": "takes 2 arguments without a name, not 3",
+        "a": "comes twice; write it once",
+    }
+
+
+@pytest.mark.parametrize("name", OF_UNITS)
 def test_a_value_of_another_unit_is_refused_in_a_line(name):
     for wrong in (3 * U.candela, variable(3.0, "cd"), variable(3.0, "m s s"), "3 cd", "3 ", ""):
         of_text = [KINDS[name].read] if isinstance(wrong, str) else []
-        for convert in (KINDS[name].take, *of_text):
+        for way in (KINDS[name].take, *of_text):
             with pytest.raises(ValueError) as caught:
-                convert(wrong)
+                way(wrong)
             assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", OF_UNITS)
 def test_an_example_is_read_and_taken_alike_and_a_bare_number_is_no_text(name):
     kind = KINDS[name]
     if kind.example:
@@ -103,6 +284,11 @@ def test_an_example_is_read_and_taken_alike_and_a_bare_number_is_no_text(name):
         kind.read(2.0)
     for word, number in kind.words:
         assert kind.take(word) == kind.read(word) == number
+    numbers = kind.schema()
+    pattern = (numbers.get("anyOf") or [numbers])[0]["pattern"]
+    for number in filter(kind.bounds.holds, (0.25, 150.0)):
+        written = kind.write(number)
+        assert kind.read(written) == pytest.approx(number) and re.match(pattern, written)
     low, high = kind.bounds.low, kind.bounds.high
     for end, fits in ((low, kind.bounds.low_fits), (high, kind.bounds.high_fits)):
         assert kind.bounds.holds(end) == fits
@@ -125,6 +311,15 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     assert snapmap.Study(handout, pulse=drop).pulse.duration > 3e5
     times = snapmap.sampled(["0 ms", "0.1 ms", "0.4 ms"], [0, 1, 0])
     assert times.duration == snapmap.sampled([0, 0.1, 0.4] * U.ms, [0, 1, 0]).duration == 400.0
+    wrong = {"drop": {"height": 1 * U.s, "duration": 500}}
+    for key, value, path in (
+        ("pulse", wrong, "pulse.drop.height"),
+        ("horizon", 1 * U.m, "horizon"),
+    ):
+        with pytest.raises(ValueError, match=rf"\A{path}: .* does not convert to u[ms].*\Z"):
+            snapmap.Study(handout, **{key: value})
+    with pytest.raises(ValueError, match=r"\Atime: .* does not convert to us.*\Z"):
+        snapmap.sampled([0, 1, 2] * U.m, [0.0, 1.0, 0.0])
     shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     ranges = {"thickness": ("1.7 um", "2300 nm")}, {"thickness": [1.7, 2.3] * U.um}
     times = ["1 ms"] * 6, [1 * U.ms] * 6

@@ -12,7 +12,7 @@ import pytest
 import small_workflow
 import xarray as xr
 import yaml
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of
 
 import snapmap
 from snapmap.applications.whole import load_config
@@ -20,12 +20,7 @@ from snapmap.workflow.made import HEAD, LIST
 
 pytestmark = pytest.mark.long
 
-STUDY = f"""{THREE_COSINES}sweep:
-  N: {{from: 600, to: 2400, points: 120}}
-  f0: {{from: 300 Hz, to: 10 kHz, points: 20, spacing: log}}
-  C: [0.025 uN*us/um, 25 uN*us/um]
-run: {{horizon: 320 ms, until: snap}}
-"""
+STUDY = yaml.safe_load(THREE_COSINES) | cases_of(__file__)
 OLD = "results/window.nc"
 
 
@@ -34,7 +29,7 @@ class Folder:
 
     def __init__(self, root, path):
         self.path, self.slabs, self.cube = path, path / "results/slabs", path / "results/cube.nc"
-        (path / "mine.yaml").write_text(STUDY)
+        (path / "mine.yaml").write_text(yaml.safe_dump(STUDY))
         self.command = ["snakemake", "--snakefile", root / "Snakefile", "--directory", path]
         self.command += ["--configfile", path / "mine.yaml", "--cores", "1", "results/cube.nc"]
 
@@ -117,7 +112,7 @@ def resumed(root, tmp_path_factory):
 
 
 def test_a_killed_run_loses_nothing(resumed):
-    study = load_config(yaml.safe_load(STUDY))
+    study = load_config(STUDY)
     asked = snapmap.Study(study.device, "3 cosines", horizon=320_000.0, until="snap")
     with xr.open_dataset(resumed.cube) as cube:
         xr.testing.assert_equal(cube, snapmap.sweep(asked, **study.axes))

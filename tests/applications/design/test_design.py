@@ -5,8 +5,6 @@ import pytest
 
 import snapmap
 from snapmap import Study
-from snapmap.pulse.shocks import make_shocks
-from snapmap.study.shock import Requirement
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 SHOCK = {"f0": 1000.0, "C": 25.0}
@@ -29,11 +27,9 @@ def test_the_threshold_at_the_designed_value_is_that_which_is_wanted(handout, va
     assert 0 < designed.error < 0.02 * designed.value
 
 
-def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(handout, monkeypatch):
+def test_a_design_says_that_there_are_several_solutions(handout, monkeypatch):
     with pytest.raises(ValueError, match=r"^C: is the value that design searches; leave it out$"):
         snapmap.design(Study(handout, **CHEAP), "C", N=1000, between=(10.0, 400.0), **SHOCK)
-    with pytest.raises(ValueError, match=r"no value from 1.9 to 2.1 um gives .* the threshold is"):
-        snapmap.design(Study(handout, **CHEAP), "thickness", N=9000, between=(1.9, 2.1), **SHOCK)
 
     def parabola(which, values, *_):
         N_first = 1000 + (values - 1.3) * (values - 2.2)
@@ -44,6 +40,59 @@ def test_a_design_says_that_there_is_no_solution_or_that_there_are_several(hando
     with pytest.warns(UserWarning, match="not monotone; at 1.3, 2.2 um"):
         designed = snapmap.design(handout, "thickness", N=1000, between=(1.0, 3.0), **SHOCK)
     assert designed.value == pytest.approx(1.3, abs=1e-5)
+
+
+@pytest.fixture
+def linear(monkeypatch):
+    """Thresholds of 1000 times the thickness, +- 5; from 2.5 um on there are none."""
+
+    def at(study, values, f0, C, pulse_of, axes):
+        value = values["thickness"]
+        exists = value < 2.5
+        return np.where(exists, 1e3 * value, np.nan), np.where(exists, 5.0, np.nan), exists
+
+    monkeypatch.setattr("snapmap.applications.design.design.thresholds_at", at)
+
+
+LINEAR = {"between": (1.0, 3.0), "C": 25.0}
+
+
+@pytest.mark.usefixtures("linear")
+def test_ends_of_windows_of_linear_thresholds_are_exact_with_their_errors(handout):
+    """Half a part of an interval beside the bar; without thresholds beyond, half a part alone.
+
+    Both lie in parts at ends of intervals, of which thresholds are known.
+    """
+    part = 2.0 / 32 / 512
+    needs = [require("trip", 2124.95, True), require("stay", 1250.05, False)]
+    made = snapmap.design(handout, "thickness", requirements=needs, **LINEAR)
+    assert made.low.item() == pytest.approx(1.25005) and made.high.item() == pytest.approx(2.12495)
+    for key, bar in ("low", 0.005), ("high", 0.005):
+        assert made[f"{key}_error"].item() == pytest.approx(bar + part / 2)
+    made = snapmap.design(handout, "thickness", requirements=needs[1:], **LINEAR)
+    assert made.low.item() == pytest.approx(1.25005) and made.low_from.item() == "stay"
+    assert made.high.item() == pytest.approx(2.5, abs=part) and made.high_from.item() == "stay"
+    assert made.high_error.item() == pytest.approx(part / 2)
+    assert (made.met.squeeze() == (made.tried > 1.25005) & (made.tried < 2.5)).all()
+
+
+@pytest.mark.usefixtures("linear")
+def test_a_value_of_linear_thresholds_is_exact_and_ranges_are_refused(handout):
+    made = snapmap.design(handout, "thickness", N=1503, f0=1e3, **LINEAR)
+    assert made.value == pytest.approx(1.503) and made.error == pytest.approx(0.005 + 1 / 8 / 1024)
+    line = r"^thickness: no value from 1 to 3 um gives N = 900; the threshold is 1000 to 2375$"
+    with pytest.raises(ValueError, match=line):
+        snapmap.design(handout, "thickness", N=900, f0=1e3, **LINEAR)
+    for wrong, line in (
+        ({"f0": 1e3}, r"^N: missing; write a number above 0$"),
+        ({"N": 900, "f0": 1e3, "between": (2.0, 2.0)}, r"^between: 2, 2 do not ascend; write"),
+        ({"N": 900, "f0": 1e3, "between": (2.0, 1e9, 1.0)}, r"^between: .* is not a pair of numb"),
+    ):
+        with pytest.raises(ValueError, match=line):
+            snapmap.design(handout, "thickness", **LINEAR | wrong)
+    both = [require("stay", 1500.0, False) | {"direction": "both"}]
+    made = snapmap.design(handout, "thickness", requirements=both, **LINEAR)
+    assert made.requirement.values.tolist() == ["stay, versed sine +z", "stay, versed sine -z"]
 
 
 def require(name, N, snaps):
@@ -69,50 +118,36 @@ def test_all_requirements_are_met_in_a_window_between_the_values_for_each(handou
     assert (window.low_from.item(), window.high_from.item()) == ("stay", "trip")
 
 
+@pytest.mark.usefixtures("linear")
 def test_what_must_arrive_has_the_window_of_what_must_trip(handout):
-    asked = {"requirements": [require("trip", 1100.0, True)], **THICKNESS}
-    trip = snapmap.design(Study(handout, **CHEAP), "thickness", **asked)
-    asked["requirements"] = [require("trip", 1100.0, "arrives")]
-    assert snapmap.design(Study(handout, **CHEAP), "thickness", **asked).equals(trip)
+    made = [
+        snapmap.design(
+            handout, "thickness", requirements=[require("trip", 1100.0, snaps)], **LINEAR
+        )
+        for snaps in (True, "arrives")
+    ]
+    assert made[0].equals(made[1])
 
 
+@pytest.mark.usefixtures("linear")
 def test_a_contradiction_says_where_each_requirement_is_met(handout):
     needs = [require("trip", 1100.0, True), require("stay", 1300.0, False)]
     needs.append(require("never", 9e5, False))
     with pytest.warns(UserWarning) as warned:
-        window = snapmap.design(
-            Study(handout, **CHEAP), "thickness", requirements=needs, **THICKNESS
-        )
+        window = snapmap.design(handout, "thickness", requirements=needs, **LINEAR)
     assert window.sizes["window"] == 0
-    trip, stay = (window.tried.values[row] for row in window.met.values[:2].astype(bool))
     assert str(warned[0].message) == (
-        "thickness: none from 1.8 to 2.5 um meets all requirements, at most 1 of 3 at 1.8 um: "
-        f"trip is met from 1.8 to {trip.max():.4g}, stay is met from {stay.min():.4g} to 2.5, "
-        "never is met nowhere"
+        "thickness: none from 1 to 3 um meets all requirements, at most 1 of 3 at 1 um: trip is "
+        "met from 1 to 1.062, stay is met from 1.312 to 2.438, never is met nowhere"
     )
 
 
-def test_requirements_have_the_shocks_of_the_study_unless_they_name_theirs(handout):
-    asked = {"name": "drop", "N": 900.0, "f0": 1000.0, "snaps": False}
-    shocks = make_shocks(["half sine", "sawtooth"], "-z")
-    named = {"pulse": "trapezoid", "direction": "both"}
-    for more, names, directions in (
-        ({}, ["half sine", "sawtooth"], ("-z",)),
-        (named, ["trapezoid", "trapezoid"], ("+z", "-z")),
+def test_a_requirement_that_may_snap_or_not_has_no_threshold(handout):
+    needs = [require("drop", 900.0, "any")]
+    with pytest.raises(
+        ValueError, match=r"^requirements: drop: snaps: any has no threshold; write"
     ):
-        required = Requirement(**asked | more).under(shocks).shocks
-        assert [each.pulse.name for each in required.each()] == names
-        assert required.directions == directions
-    record = {"train": [{"duration": 300.0}, {"wait": 900.0}, {"repeat": 2}]}
-    for more, study, fault in (
-        ({}, {"pulse": record}, "pulse: missing, as the study"),
-        ({"snaps": "any"}, {}, "snaps: any has no threshold"),
-    ):
-        needs = [asked | more]
-        with pytest.raises(ValueError, match=f"requirements: drop: {fault}"):
-            snapmap.design(
-                Study(handout, **study, **CHEAP), "thickness", requirements=needs, **THICKNESS
-            )
+        snapmap.design(Study(handout, **CHEAP), "thickness", requirements=needs, **THICKNESS)
 
 
 WRONG = {"pusle": "half sine", "pulse": "haf sine", "direction": "up", "survives": 2}

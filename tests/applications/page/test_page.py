@@ -70,7 +70,7 @@ def page_text(cube, folder):
     for dataset, path in zip((cube, edges_of(cube)), files.values(), strict=True):
         write(dataset, path)
     files["requirements"] = folder / "requirements.csv"
-    write_verdicts(VERDICTS, files["requirements"])
+    write_verdicts(VERDICTS, files["requirements"], "uN*us/um")
     points = folder / "shots.csv"
     points.write_text("name,N,f0 (Hz),snapped\na,1200,3000,yes\nb,900,1500,no\n")
     drawing = shown_of(cube, title="Crash sensor A", required=REQUIRED, own_points=[str(points)])

@@ -153,10 +153,11 @@ def test_verdicts_are_read_as_they_were_written(tmp_path):
         make_verdict(requirement="b", margin=0.5, end="stays", more={"t_closed": 2.5}),
         make_verdict(requirement="c", must_snap="any", must_survive=1.0),
     ]
-    write_verdicts(asked, tmp_path / "requirements.csv")
+    write_verdicts(asked, tmp_path / "requirements.csv", "uN*us/um")
     read = read_verdicts(tmp_path / "requirements.csv")
     closings = [each.more.get("t_closed") for each in read]
     np.testing.assert_equal(closings, [np.nan, 2.5, np.nan])
+    assert ",C (uN us um-1)," in (tmp_path / "requirements.csv").read_text()
     for before, after in zip(asked, read, strict=True):
         np.testing.assert_equal(vars(replace(after, more={})), vars(replace(before, more={})))
 

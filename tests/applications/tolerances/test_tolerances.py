@@ -30,7 +30,7 @@ from snapmap.applications.tolerances.dataset import (
 )
 from snapmap.applications.whole import load_config
 from snapmap.device.device import batch
-from snapmap.device.samples import CUT, Plan, Scatter, Scatters, Tolerances
+from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
@@ -40,33 +40,8 @@ from snapmap.solver.options import Auto, Cosines
 from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
-from snapmap.values.kinds import kind_of
 
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
-SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
-SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
-
-
-@pytest.mark.parametrize("scatter", SCATTERS)
-def test_samples_have_the_moments_of_their_distribution(handout, scatter):
-    law = dict([scatter]) if isinstance(scatter, tuple) else scatter
-    plan = Plan(handout, kind_of(Scatters).take({"thickness": law}))
-    values = plan.values(plan.points(4096, seed=3)[0])["thickness"]
-    assert values.mean() == pytest.approx(2.0, rel=2e-3)
-    assert values.std() == pytest.approx(SCATTERS[scatter], rel=2e-2)
-
-
-def test_samples_are_seeded_grow_and_move_together(handout):
-    scatters = {"thickness": 0.05, "rise": "2 %", "depth": {"uniform": 0.1}}
-    plan = Plan(handout, kind_of(Scatters).take(scatters), together=[["thickness", "depth"]])
-    assert plan.names == ["thickness+depth", "rise"]
-    few, many = plan.points(100, 7), plan.points(1000, 7)
-    np.testing.assert_array_equal(few, many[:, :100])
-    assert (plan.points(100, 8) != few).all()
-    values = plan.values(many[0])
-    assert stats.spearmanr(values["thickness"], values["depth"])[0] == pytest.approx(1)
-    assert abs(stats.spearmanr(values["thickness"], values["rise"])[0]) < 0.05
-    assert abs(stats.spearmanr(many[0, :, 0], many[1, :, 0])[0]) < 0.05
 
 
 def ishigami(u):

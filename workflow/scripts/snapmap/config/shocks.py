@@ -8,7 +8,7 @@ from ..files.named import sha256_of
 from ..pulse.pulse import DIRECTIONS, RECORD, SHAPES, SHARES, Form, ShapeName
 from ..pulse.shocks import MAKERS, Blow, Drop, Shocks, make_shocks
 from ..values.faults import at_key
-from ..values.kinds import Fitting, kind_of
+from ..values.kinds import CONFIG, Fitting, kind_of
 from ..values.records import record, told
 from .kinds import StudyPath
 
@@ -16,16 +16,21 @@ TIMED = ("file", *MAKERS)
 """Keys of shocks that are more than a shape, and set their own duration."""
 
 
-def _are_shapes(value):
-    names = value if isinstance(value, list) else [value]
-    known = all(isinstance(name, str) and name in SHAPES for name in names)
-    return known and 0 < len(names) == len(set(names))
-
-
-_SHAPE = kind_of(ShapeName).schema()
-_JSON = {"anyOf": [_SHAPE, {"type": "array", "items": _SHAPE, "minItems": 1}]}
+_NAME = kind_of(ShapeName)
+_JSON = {"anyOf": [_NAME.schema(), {"type": "array", "items": _NAME.schema(), "minItems": 1}]}
 _NEED = f"one of {', '.join(SHAPES)}, or a list of these, each once"
-SeveralShapes = Annotated[str | list[str], Fitting(_NEED, _are_shapes, json=_JSON)]
+
+
+def _shapes(value):
+    names = value if isinstance(value, list) else [value]
+    for name in names:
+        _NAME.convert(name, CONFIG)
+    if not 0 < len(names) == len(set(names)):
+        raise ValueError(f"{names} is not {_NEED}")
+    return value
+
+
+SeveralShapes = Annotated[str | list[str], Fitting(_NEED, by=_shapes, json=_JSON)]
 Push = Literal[(*DIRECTIONS, "both")]
 
 
@@ -39,9 +44,9 @@ class PulseSection(Form):
     file: StudyPath | None = None
     """a recorded shock, CSV"""
     train: list[Blow] | None = None
-    """blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}"""
+    """pulses {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}"""
     drop: Drop | None = None
-    """a free fall, its blow, and the rebounds"""
+    """a free fall, its impact, and the rebounds"""
     direction: Push | None = None
     """+z presses the mass on the beam; both is an axis; +z if left out"""
 

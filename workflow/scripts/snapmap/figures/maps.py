@@ -87,11 +87,7 @@ def snap_times(panels: Iterable[xr.Dataset]) -> tuple[float, float]:
 
 def _having(need, *variables):
     """Make the kind of a dataset that has some variables."""
-
-    def has_them(value):
-        return isinstance(value, xr.Dataset) and {*variables} <= {*value}
-
-    return Fitting(need, has_them)
+    return Fitting(need, lambda value: isinstance(value, xr.Dataset) and {*variables} <= {*value})
 
 
 CELLS = "a cube, as sweep and open_cube return it"
@@ -109,10 +105,8 @@ def _fits_legend(value):
 
 _OF_LEGEND = "true, false or a mapping of arguments of matplotlib's legend but handles"
 LegendArguments = Annotated[bool | Mapping, Fitting(_OF_LEGEND, _fits_legend)]
-Colours = Annotated[
-    Mapping[str, str],
-    Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping)),
-]
+_COLOURS = Fitting("a mapping of words to colours", lambda value: isinstance(value, Mapping))
+Colours = Annotated[Mapping[str, str], _COLOURS]
 
 
 def plot_outcome(
@@ -240,7 +234,7 @@ def draw_maps(
         field, named = _fill_map(ax, panels[place], x, y, own_points, shown, look)
         fields, names = [*fields, field], names | named
         ax.set_title(place_text(panels[place][0].drop_vars(shared), 110 // columns))
-        if rows > 1:  # the name of an axis may be longer than a map is high
+        if rows > 1 and place == 0:  # a name may be longer than a map is high
             figure.supylabel(ax.get_ylabel(), size=ax.yaxis.label.get_size())
         if rows > 1 or place % columns:
             ax.set_ylabel("")

@@ -57,7 +57,7 @@ class Cosines:
 
 @record
 class Elements:
-    """Hermite elements on the half beam, as in the handout.
+    """Hermite elements on the half beam.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Elements:
 
 @record
 class Reference:
-    """The handout's central differences in a plain loop; slow.
+    """Elements by central differences in a plain loop; slow.
 
     Examples
     --------

@@ -6,7 +6,7 @@ It has five steps:
 3. The deciding model locates a single change of label, and refines it (`locate_change`).
 4. It looks closely beside that change where the device rings (`look_closely`). Rows in which any
    step saw more changes are ragged, and are scanned around all of them (`ragged.scan_ragged`).
-5. Other time steps and models make the error bar (`bars.make_bars`).
+5. Other time steps and models make the error bar (`survey.make_bars`).
 """
 
 import math

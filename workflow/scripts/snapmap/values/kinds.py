@@ -226,7 +226,7 @@ class Several(Kind):
             row = np.atleast_1d(self.of.take(value))
         except ValueError as error:
             raise ValueError(str(error).replace(self.of.need, self.need)) from None
-        if row.ndim > 1 or not row.size or np.unique(row).size < row.size:
+        if np.unique(row).size < row.size:
             raise self.refuse(value)
         return row
 

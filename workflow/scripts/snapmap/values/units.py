@@ -123,7 +123,7 @@ def numbers_in(value: object, unit: str) -> np.ndarray | None:
 
 def plain_numbers(value: object) -> np.ndarray | None:
     """Give the numbers in a value without a unit as floats; None if it holds anything else."""
-    if isinstance(value, str | bytes | bool | Mapping) or np.ma.is_masked(value):
+    if np.ma.is_masked(value):
         return None
     try:
         array = np.asarray(value)

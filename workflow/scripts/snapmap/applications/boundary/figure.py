@@ -52,9 +52,8 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
     keys = [*curves.line_keys(thresholds, lines), *style.labelled([ax]), shade]
     style.note_missing(ax, thresholds.N_first, NONE_KNOWN)
     heads = title(thresholds, style.signs(ax.get_figure())), curves.no_threshold(thresholds, lines)
-    corner = (
-        {} if style.is_ours(ax) else {"loc": "upper right"}
-    )  # the curves bend to the lower left
+    # The curves bend to the lower left.
+    corner = {} if style.is_ours(ax) else {"loc": "upper right"}
     style.legend(ax, keys, "\n".join(filter(None, heads)), 2, **corner)
     return ax
 

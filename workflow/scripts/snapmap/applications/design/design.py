@@ -108,8 +108,6 @@ def design(
             need = kind_of(design.__annotations__[key]).need
             raise ValueError(f"{key}: missing; write {need}")
     goals = required or [Shock(name="", N=N, f0=f0, shocks=study.shocks, snaps=True, start=start)]
-    if any(len(goal.shocks.pulses) > 1 for goal in goals):
-        raise ValueError("pulse: has several shapes or directions; write one of each")
     low, high = _searched_range(between, value, study.unit_of_C)
     look, searched = _threshold_finder(study, value, C, goals), (value, study.unit_of_C)
     grid = np.linspace(low, high, WINDOW_POINTS if required else POINTS)

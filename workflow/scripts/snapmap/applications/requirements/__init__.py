@@ -111,7 +111,7 @@ class Requirements(Application):
         if tolerance_path:
             with open_whole(tolerance_path) as made:
                 verdicts = with_shares(verdicts, shocks_of(study), made)
-        write_verdicts(verdicts, path)
+        write_verdicts(verdicts, path, study.unit_of_C)
         print(f"{path}: {sum_up(verdicts)}")
 
     def figures(self, study: Config) -> Figures:

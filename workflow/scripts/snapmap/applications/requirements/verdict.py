@@ -13,6 +13,7 @@ from ...numerics.statistics import percents
 from ...solver.settings import FIRST, SECOND
 from ...study.shock import Shock
 from ...study.study import ANY, SNAPS, Study
+from ...values.units import spelling
 
 MET, VIOLATED, UNCLEAR = "met", "failed", "unclear"
 STAYS, RETURNS, OPEN, DIFFERS = "stays", "arrives and returns", "still swings", "ends differ"
@@ -25,7 +26,7 @@ NEEDS = {0: "must not trip", 1: "must trip and stay", 2: "may trip", 3: "must ar
 UNITS = {"f0": "Hz", "duration": "ms", "temperature": "degC"}
 UNITS |= {"toward_max": "um", "away_max": "um", "contact_force_max": "uN"}
 UNITS |= dict.fromkeys(("stress_max", "stress_max_to_snap"), "MPa")
-"""Units of requirements.csv, by column."""
+"""Units of requirements.csv, by column; C has that of the study."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,13 +175,16 @@ def must_text(name: str, must_snap: bool | int | str) -> str:
     return f"{name}, {NEEDS[SNAPS[must_snap] if isinstance(must_snap, str) else must_snap]}"
 
 
-def write_verdicts(verdicts: Iterable[Verdict], path: str | Path) -> None:
-    """Write requirements.csv, a row for each verdict; what is not known stays empty."""
+def write_verdicts(verdicts: Iterable[Verdict], path: str | Path, unit_of_C: str) -> None:
+    """Write requirements.csv, a row for each verdict; what is not known stays empty.
+
+    unit_of_C: as a config spells it
+    """
     import pandas  # imported late: most runs have no table
 
     rows = pandas.DataFrame([{**vars(verdict), **verdict.more} for verdict in verdicts])
     places = "N", "f0", "duration", "C", "temperature"
-    write_table(rows.drop(columns="more"), path, UNITS, places)
+    write_table(rows.drop(columns="more"), path, UNITS | {"C": spelling(unit_of_C).files}, places)
 
 
 def read_verdicts(path: str | Path) -> list[Verdict]:

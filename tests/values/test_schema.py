@@ -8,6 +8,7 @@ import runpy
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
+from small_studies import cases_of
 
 from snapmap.applications.whole import Document
 from snapmap.values.records import hints
@@ -86,31 +87,12 @@ def test_every_config_of_the_project_is_among_them(root):
     assert {str(path.relative_to(root)) for path in found} == {*CONFIGS}
 
 
-WRONG = {
-    "a misspelt key": ("device.beam.thicknes", "2 um"),
-    "a misspelt section": ("requirments", []),
-    "a missing key": ("device.beam.span", None),
-    "a missing section": ("sweep", None),
-    "a key missing whose place nothing takes": ("device.gravity", None),
-    "a bare number where a unit is needed": ("device.spring", 4),
-    "the same as text": ("run.horizon", "4000"),
-    "the same in a list": ("sweep.C", [5, 100]),
-    "a unit where none belongs": ("sweep.N.from", "400 g"),
-    "a wrong word": ("run.until", "snaps"),
-    "a wrong word for a number": ("device.contact", "soft"),
-    "a wrong name of a model": ("model.name", "autos"),
-    "an option of another model": ("model.modes", 3),
-    "a wrong word in a list": ("requirements.0.snaps", "perhaps"),
-    "a section of another form": ("device.beam", ["600 um"]),
-    "a key of Snakemake's": ("run.threads", 2),
-    "a key of another section": ("sweep.until", "snap"),
-    "an empty value": ("pulse.shape", {}),
-}
+CASES = cases_of(__file__)
 
 
-@pytest.mark.parametrize("where", WRONG)
+@pytest.mark.parametrize("where", CASES["wrong"])
 def test_mistakes_are_marked(validator, sensor, where):
-    path, value = WRONG[where]
+    path, value = CASES["wrong"][where]
     document = copy.deepcopy(sensor)
     *above, last = (int(key) if key.isdigit() else key for key in path.split("."))
     section = document
@@ -120,18 +102,9 @@ def test_mistakes_are_marked(validator, sensor, where):
     assert [*validator.iter_errors(document)]
 
 
-RIGHT = {
-    "a beam alone": {"mass": "none", "spring": None, "contact": None},
-    "a force in place of gravity": {"mass": "none", "spring": None, "contact": None}
-    | {"gravity": None, "force": "1 uN"},
-    "units of other spellings": {"mass": "6 µg", "spring": "4e0 uN/um", "gap": "1um"},
-    "a plain number as text": {"restitution": "5e-1"},
-}
-
-
-@pytest.mark.parametrize("what", RIGHT)
+@pytest.mark.parametrize("what", CASES["right"])
 def test_what_is_right_is_not_marked(validator, sensor, what):
-    device = {k: v for k, v in (sensor["device"] | RIGHT[what]).items() if v is not None}
+    device = {k: v for k, v in (sensor["device"] | CASES["right"][what]).items() if v is not None}
     assert not [*validator.iter_errors(sensor | {"device": device})]
 
 
