@@ -145,9 +145,7 @@ class Model:
             left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
         return observed.shaped(np.shape(cells.f0))
 
-    def follow_once(
-        self, cells: Cells, settings: Run, dt: np.ndarray | None = None
-    ) -> Observations:
+    def follow_once(self, cells: Cells, settings: Run, dt: Number | None = None) -> Observations:
         """Follow every cell, (cells,), once, whatever its ledger says; dt: us, as `time_steps`."""
         observed = no_observations(cells.f0.shape)
         dt = self.time_steps(cells, settings) if dt is None else dt
