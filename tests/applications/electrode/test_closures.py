@@ -12,13 +12,8 @@ from small_studies import TINY
 from varied import varied
 
 import snapmap
-from snapmap.applications.electrode.closures import (
-    CLOSING,
-    Closures,
-    closures_of,
-    passages,
-    sections,
-)
+from snapmap.applications.electrode import closures
+from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.whole import load_config
@@ -187,9 +182,9 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
 def test_a_sheet_has_the_closures_of_each_requirement_that_closes(study):
     more = {"t_closed": 123.4567, "closed_for": 7.0, "openings": 2.0, "closed_share": 0.5}
     more |= {f"{key}_error": 0.26 for key in more}
-    words, table = sections(study, [make_verdict(more=more), make_verdict()])
+    words, table = closures.sections(study, [make_verdict(more=more), make_verdict()])
     assert words == "The electrode, to 0.3 ms after a shock:\n"
     first, *_, share = table.splitlines()[2:]
     assert first.startswith("| first closure | 123.5 us | 0.3 us | drop, half sine +z")
     assert share.startswith("| share of the time since then closed | 0.5 | 0.3 | drop, ")
-    assert sections(study, [make_verdict()]) == []
+    assert closures.sections(study, [make_verdict()]) == []
