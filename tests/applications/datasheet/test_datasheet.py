@@ -58,7 +58,7 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     assert margin.startswith(f"{verdict.N_first / 500.0:.4g}")
     assert float(strength[0]) == pytest.approx(900 / moved.stress_max, rel=1e-2)
     assert row_of(text, "0.025")[0] == f"{100 * made['yield'].item():.1f} %"
-    assert "at 95 % confidence: takes 2995 devices.\n" in text and "Doubted: a doubt\n" in text
+    assert "at 95 % confidence: takes 2995 devices.\n" in text and "Warning: a doubt\n" in text
     where = "drop, half sine +z, 1 ms, C = 0.025, 20 degC"
     assert row_of(text, "travel of the mass towards")[2] == where
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
@@ -113,7 +113,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
         )
         assert first[2] == worst.shock and ("not valid" in first[0]) == (worst.travel_over_rise > 5)
     lines = text.splitlines()
-    folded = [row_of("\n".join(lines[i:]), f"its other corners, {n}") for i, n in ((0, 7), (0, 3))]
+    folded = [row_of("\n".join(lines[i:]), f"its other cases, {n}") for i, n in ((0, 7), (0, 3))]
     assert [cells[3:5] for cells in folded] == [["20 to 80", "25 to 200"]] * 2
     ends = [float(end) for end in folded[0][7].split(" to ")]
     known = sorted(row.margin for row in rows if row.requirement == "hit")[1:]

@@ -151,7 +151,7 @@ def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, in_g, in_si,
         for read in (kind.read, kind.take):
             assert read(points)[:, 1] == pytest.approx([3.5 * size, 7.0 * size], rel=1e-14)
     assert kind.take([(20.0, 3.5), (2000.0, 7.0)])[:, 1].tolist() == [3.5, 7.0]
-    with pytest.raises(ValueError, match=r"^frequencies and levels are not "):
+    with pytest.raises(ValueError, match=r"^frequencies and values are not "):
         kind.take([(20.0, 1.0)] * 2)
     for wrong in (3.5, "3.5", "3.5 m", "3.5 g/Hz", "3.5 kg", "g", "1.2.3 g", True, None, "3.5 m/s"):
         with pytest.raises(

@@ -44,9 +44,9 @@ class PulseSection(Form):
     file: StudyPath | None = None
     """a recorded shock, CSV"""
     train: list[Blow] | None = None
-    """blows {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}"""
+    """pulses {shape, N, duration, rise, fall}, {wait: a time} and {repeat: a number}"""
     drop: Drop | None = None
-    """a free fall, its blow, and the rebounds"""
+    """a free fall, its impact, and the rebounds"""
     direction: Push | None = None
     """+z presses the mass on the beam; both is an axis; +z if left out"""
 

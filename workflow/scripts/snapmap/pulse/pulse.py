@@ -85,11 +85,11 @@ class Pulse:
     notes
         Warnings about a recorded shock.
     blows
-        x at which each blow of a train begins, ascending; empty for other pulses.
+        x at which each pulse of a train begins, ascending; empty for other pulses.
     swing
         Share of the duration that the fastest change of a train takes; 1 for other pulses.
     strongest
-        The blow of a train that changes the velocity most, in units of the train's peak.
+        The pulse of a train that changes the velocity most, in units of the train's peak.
 
     Examples
     --------

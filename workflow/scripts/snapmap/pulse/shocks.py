@@ -38,7 +38,7 @@ _NUMBER = single("a plain number", "", "2", "(-inf, inf)")
 def _peak(value):
     number = _NUMBER.take(value)
     if number == 0:
-        raise ValueError("0 is no blow; write a number above or below 0, or a wait")
+        raise ValueError("0 is no pulse; write a number above or below 0, or a wait")
     return number
 
 
@@ -49,18 +49,18 @@ Rebound = Annotated[float, single("a plain number", "", "0.3", "[0, 0.99]")]
 
 @record
 class Blow(Form):
-    """A blow {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
+    """A pulse {shape, N, duration, rise, fall}, {wait: a time}, or {repeat: a number}."""
 
     shape: ShapeName | None = None
     """how the acceleration goes over time; a versed sine, or for a requirement as in `pulse`, if
     left out"""
     _: KW_ONLY
     N: Peak = 1.0
-    """peak relative to other blows, below 0 for the other direction"""
+    """peak relative to other pulses, below 0 for the other direction"""
     duration: PulseTime | None = None
-    """duration of the blow; required, except with `wait` or `repeat`"""
+    """duration of the pulse; required, except with `wait` or `repeat`"""
     wait: PulseTime | None = None
-    """time without a blow; alone in its item"""
+    """time without a pulse; alone in its item"""
     repeat: Times | None = None
     """how often the items before it occur in total; alone in its item"""
 
@@ -77,18 +77,18 @@ class Blow(Form):
 
 @record
 class Drop(Form):
-    """A free fall, its blow, and the rebounds."""
+    """A free fall, its impact, and the rebounds."""
 
     shape: ShapeName | None = None
-    """how the acceleration of a blow goes over time; a versed sine, or for a requirement as in
+    """how the acceleration of an impact goes over time; a versed sine, or for a requirement as in
     `pulse`, if left out"""
     _: KW_ONLY
     height: Height
     """height of the free fall"""
     duration: PulseTime
-    """duration of each blow"""
+    """duration of each impact"""
     rebound: Rebound = 0.0
-    """velocity after a blow over that before"""
+    """velocity after an impact over that before"""
 
 
 class Part(NamedTuple):
@@ -113,7 +113,7 @@ def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
     Raises ValueError, one line, for other items or too many.
     """
     if isinstance(items, str | Mapping) or not isinstance(items, Sequence):
-        raise ValueError(f".train: {show(items)} is not a list of blows, waits and repeats")
+        raise ValueError(f".train: {show(items)} is not a list of pulses, waits and repeats")
     parts, section = [], []
     for place, item in enumerate(items):
         with at_key("train", place):
@@ -122,7 +122,7 @@ def make_train(items: Sequence[Blow | Mapping]) -> Pulse:
         if item.repeat is None:
             parts.append(_blow(item, item.N) if item.wait is None else _flat(item.wait, 0.0))
         elif len(parts) * item.repeat > MOST_BLOWS:
-            more = f"makes over {MOST_BLOWS} blows and waits; write fewer"
+            more = f"makes over {MOST_BLOWS} pulses and waits; write fewer"
             raise ValueError(f".train[{place}].repeat: {more}")
         else:
             parts *= item.repeat
@@ -140,7 +140,7 @@ def make_drop(drop: Drop | Mapping) -> Pulse:
     rebound, velocity = drop.rebound, math.sqrt(2 * G * drop.height)
     peak = (1 + rebound) * velocity / _blow(drop).area
     if peak < G:
-        line = f".drop: its blow has only {peak / G:.2g} g"
+        line = f".drop: its impact has only {peak / G:.2g} g"
         raise ValueError(f"{line}; write a shorter duration")
     # In free fall the frame accelerates by -g; the jump at its end is small beside the blow.
     lasts, level, share = velocity / G, -G / peak, 1.0
@@ -172,7 +172,7 @@ def _joined(name, parts, section):
     begins = np.cumsum([0.0, *(part.lasts for part in parts)])
     blows = np.array([part.peak > 0 for part in parts], bool)
     if not blows.any():
-        raise ValueError(f".{name}: has no blow; write one such as {{duration: 0.5 ms}}")
+        raise ValueError(f".{name}: has no pulse; write one such as {{duration: 0.5 ms}}")
     lasts, peak = float(begins[-1]), max(part.peak for part in parts)
     pieces = np.vstack([part.pieces for part in parts])
     pieces[:, 0] += np.repeat(begins[:-1], [len(part.pieces) for part in parts])

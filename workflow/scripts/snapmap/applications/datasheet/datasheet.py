@@ -72,7 +72,7 @@ def datasheet(
         sheets += [table(["config", "value"], _of_config(source))]
         at_rest = f"at rest at {plain(device.temperature)} degC"
         sheets += [table([at_rest, "value"], _at_rest(device, study.model.laws, of_device, damper))]
-        sheets += [f"Doubted: {line}\n" for line in doubts]
+        sheets += [f"Warning: {line}\n" for line in doubts]
         sheets += required_shocks(device, of_device, f"C, {unit}")
         if requirements:
             largest = _largest(replace(study, device=device), requirements, of_device, size)
@@ -217,10 +217,10 @@ def required_shocks(device: Device, verdicts: Sequence[Verdict], of_C: str) -> l
         worst, *others = (verdict for verdict in verdicts if verdict.requirement == name)
         rows.append([must_text(name, worst.must_snap), *_cells([worst])])
         if others:
-            rows.append([f"its other corners, {len(others)}", *_cells(others)])
+            rows.append([f"its other cases, {len(others)}", *_cells(others)])
     of_N = f"{plain(device.gravity * 1e6)} m/s^2"
     of_N = f"{device.force:g} uN on the midpoint" if device.force else of_N
-    words = f"Required shocks, each by its worst corner; amplitudes are multiples of {of_N}.\n"
+    words = f"Required shocks, each by its worst case; amplitudes are multiples of {of_N}.\n"
     return [words, ERRORS, table(head, rows), PICTURE]
 
 
@@ -326,7 +326,7 @@ def left_out(device: Device) -> list[str]:
         ["slope of the beam", f"some {plain(100 * slope**2, 1)} %", "(pi rise/span)^2"],
         ["shear in the beam", f"some {plain(100 * shear**2, 1)} %", "(2 pi thickness/span)^2"],
         ["rotation of the mass, other directions, friction, adhesion", "not known", DASH],
-        ["thresholds measured on devices", "none is compared here", "calibration does"],
+        ["thresholds measured on devices", "not compared", "calibration compares them"],
     ]
     if not device.is_alone:
         lost = 50 * beam.weight / (device.mass + beam.weight)

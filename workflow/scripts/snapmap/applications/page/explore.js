@@ -242,7 +242,7 @@ function endsOtherwise(k) {
 
 // Says what is drawn; at a cell without times, as the verdict has those of the map's run.
 function followed(isOther) {
-  if (run.failed) return "The page's own run of this shock blew up.";
+  if (run.failed) return "The page's own run of this shock diverged.";
   const drawn = `Drawn below is the page's own, simpler run of this shock, in ${run.steps} steps of ${round(run.dt)} µs`;
   if (isCell() && !isOther) return `${drawn}. It snaps a little earlier or later than the map's run.`;
   const at = isOther || Number.isNaN(run.snap) ? "" : ` at t = ${round(run.snap)} µs`;
@@ -300,10 +300,10 @@ function threshold(row) {
 // Tells what the map's run of a cell saw: its snap, its end, and its estimated errors.
 function verdict(k) {
   if (isAbsent(k)) return "the beam of this device springs back wherever it is pushed; nothing was simulated";
-  if (state(k).name === "failed") return "the run blew up or its energy did not add up; nothing is claimed of this cell";
+  if (state(k).name === "failed") return "the run diverged, or its energy did not add up; nothing is known of this cell";
   const [snapped, settled, well, work, snap] = ["t_snap", "t_settled", "well", "work_error", "t_snap_error"].map((key) => cells[key][k]);
   const side = study.shapes[well - 1], share = Math.floor(100 * cells.share[k]);
-  const end = well ? `it has not settled, but was on the side of the ${side} shape for ${share} % of the last swing` : "what follows was not simulated";
+  const end = well ? `it has not settled, but was on the side of the ${side} shape for ${share} % of the last vibration of the mass` : "what follows was not simulated";
   const told = [
     Number.isNaN(snapped) ? `no snap within ${round(study.horizon / 1e3)} ms after the pulse` : `the midpoint reaches the ${study.shapes[1]} shape at t = ${round(snapped)} µs`,
     Number.isNaN(settled) ? end : `settles in the ${side} shape at t = ${round(settled)} µs, as its energy is then too low to leave`,

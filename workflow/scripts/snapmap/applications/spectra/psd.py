@@ -72,7 +72,7 @@ class Points(Kind):
             raise Faults(*few(faults))
         made: np.ndarray = np.reshape(points, (-1, 2))
         if not (np.diff(made[:, 0]) > 0).all():
-            raise ValueError(f"frequencies and levels are not {self.wants(reading)}")
+            raise ValueError(f"frequencies and values are not {self.wants(reading)}")
         return made
 
     def schema(self) -> dict:

@@ -189,7 +189,7 @@ def tolerance(
         Groups of names, as [["span", "rise"]]; a single draw moves each group.
     requirements
         Mappings of name, N, f0 (Hz) or duration (us), snaps and optionally pulse, direction, start,
-        survives (whether the beam must not break), share and confidence (what share of devices
+        survives (how surely it must not break), share and confidence (what share of devices
         must meet it).
 
     Returns
