@@ -123,6 +123,7 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
         application.run(study, path)
     (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]
     rows = read_verdicts(path)
+    assert application.counts(study) == {"verdicts": len(rows)} == {"verdicts": 4}
     far = [row.requirement for row in rows if row.travel_over_rise > 5]
     assert far and f" in {len(far)} of {len(rows)} rows, of {', '.join(dict.fromkeys(far))}" in line
     words = capsys.readouterr().out

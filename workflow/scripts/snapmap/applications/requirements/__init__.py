@@ -63,8 +63,7 @@ class Requirements(Application):
 
     def records(self, study: Config) -> list[tuple[Shocks, float, str]]:
         """Recorded shocks among the requirements."""
-        recorded = [shock for shock in shocks_of(study) if shock.shocks.files]
-        return [(shock.shocks, shock.f0, shock.start) for shock in recorded]
+        return [(s.shocks, s.f0, s.start) for s in shocks_of(study) if s.shocks.files]
 
     def marks(self, study: Config) -> list[Mark]:
         """Required shocks, each under all its pulses and directions."""
@@ -76,10 +75,11 @@ class Requirements(Application):
         return marks
 
     def counts(self, study: Config) -> dict[str, int]:
-        """Verdicts, one for each corner of each requirement."""
-        degrees = max(1, len(study.temperatures))
+        """Verdicts, one for each corner of each requirement, under each of its pulses."""
+        degrees, pushed = max(1, len(study.temperatures)), [m.pushed for m in self.marks(study)]
         corners = len(study.devices()) * study.axes["C"].size * degrees
-        return {"verdicts": corners * len(study.requests["requirements"])}
+        others = len(study.requests["requirements"]) - len(pushed)
+        return {"verdicts": corners * (sum(map(len, pushed)) + others)}
 
     def outputs(self, study: Config) -> Files:
         """The table of verdicts."""
