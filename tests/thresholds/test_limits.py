@@ -120,8 +120,7 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
 
 def test_ever_shorter_pulses_tend_to_a_jump_in_velocity(handout):
     """At 1e8 Hz only the shorter steps of the deciding level follow the pulse."""
-    f0 = [1e6, 1e7, 1e8]
-    edges = snapmap.threshold(Study(handout, horizon=300.0), f0, [200.0]).squeeze()
+    edges = snapmap.threshold(Study(handout, horizon=300.0), [1e6, 1e7, 1e8], [200.0]).squeeze()
     change = edges.N_first * handout.gravity * 0.5 / (1e-6 * edges.f0)
     longer, shorter = abs(np.diff(change))
     assert shorter < longer / 10
