@@ -93,10 +93,9 @@ class Steps:
 
         speed, shaken: as `strikes` returns them
         """
-        swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
         forms = np.array([(p.is_flat, p.is_smooth, p.strikes) for p in cells.pulses])
         flat, smooth, strikes = forms.T[:, cells.pulse]
-        swing = 1 / (swings * cells.f0)
+        swing = 1 / (np.array([p.swings for p in cells.pulses])[cells.pulse] * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
         if question == EDGE:
             of_blows = (swing / self.blows[cells.device]) ** 2
