@@ -9,7 +9,7 @@ import numpy as np
 from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import THRESHOLD_TOLERANCE, Run
-from .effort import LANES, PARTS, SCAN_STEP, TOGETHER
+from .effort import PARTS, SCAN_STEP, TOGETHER
 
 AT_ONCE = 256
 """Most places of all rows that `walk` tries at once."""
@@ -122,16 +122,15 @@ def refine(
     rows: a single change has the same place whatever interval it was sought in.
     """
     low, high, size = np.array(low), np.array(high), lattice_size(tolerance)
-    parts = max(PARTS, 1 + LANES // max(1, low.size))
     rising = np.broadcast_to(rising, low.shape)[:, np.newaxis]
     while True:
         first, last = place_of(low, size, np.floor) + 1, place_of(high, size, np.ceil) - 1
         wide = np.flatnonzero(first <= last)
         if not wide.size:
             return low, high
-        cuts = np.multiply.outer(last[wide] - first[wide] + 2, np.arange(1, parts)) // parts
+        cuts = np.multiply.outer(last[wide] - first[wide] + 2, np.arange(1, PARTS)) // PARTS
         places = first[wide, np.newaxis] - 1 + np.maximum(cuts, 1)
-        N = np.full((low.size, parts - 1), np.nan)
+        N = np.full((low.size, PARTS - 1), np.nan)
         N[wide] = amplitude_at(places, size)
         as_high = (np.isfinite(ask(N)) == rising)[wide]
         ends = np.zeros((wide.size, 1), bool)
