@@ -37,17 +37,7 @@ def only_fault(document):
     return line
 
 
-AXES = (
-    ([3, 0.2, "1e3", 0], [0.0, 0.2, 3.0, 1000.0]),
-    ((2, 1), [1.0, 2.0]),
-    ({"from": 7, "to": 7, "points": 1}, [7.0]),
-    ({"from": 3, "to": 1, "points": 3}, [1.0, 2.0, 3.0]),
-    ({"from": "1e1", "to": 1000, "points": 3, "spacing": "log"}, [10.0, 100.0, 1000.0]),
-    ({"from": 0.1, "to": 0.7, "points": 2, "spacing": "linear"}, [0.1, 0.7]),
-)
-
-
-@pytest.mark.parametrize(("axis", "values"), AXES)
+@pytest.mark.parametrize(("axis", "values"), [*CASES["axes"], ((2, 1), [1.0, 2.0])])
 def test_axes_ascend(axis, values):
     assert np.array_equal(load_config(changed(sweep__N=axis)).axes["N"], values)
 

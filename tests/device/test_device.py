@@ -48,13 +48,13 @@ def test_a_size_that_is_not_positive_and_finite_is_refused(value):
             replace(DEVICE, contact=value)
 
 
-UNFIT = cases_of(__file__)
+CASES = cases_of(__file__)
 
 
-@pytest.mark.parametrize("line", UNFIT)
+@pytest.mark.parametrize("line", CASES["unfit"])
 def test_values_that_do_not_fit_each_other_are_refused_in_a_line(line):
     with pytest.raises(ValueError, match=f"^{line}$"):
-        varied(DEVICE, **UNFIT[line])
+        varied(DEVICE, **CASES["unfit"][line])
     varied(DEVICE, imperfection=60.0, free=1.0), varied(DEVICE, rise=1.0, thickness=1e-6)
 
 
@@ -92,21 +92,11 @@ def test_a_batch_is_its_devices_and_tells_of_each():
         made.vary({"span": np.array([1.0, -1.0, 600.0])})
 
 
-MADE = [
-    {"residual_stress": -11.0, "free": 1.0, "imperfection": 0.01, "damping": 4e-4},
-    {"cosine_2": 0.08, "cosine_3": 0.2, "clamp_axial": 2e4},
-    {"cosine_2": 0.2, "residual_stress": -80.0},
-]
-AROUND = [
-    {"stop_toward": 14.0, "restitution": 0.7, "gap": 0.5, "contact": math.inf},
-    {"strength": 3000.0, "strength_modulus": 10.0, "strength_threshold": 1446.0},
-    {"modulus_slope": -63e-6, "damper_exponent": 0.7, "expansion_mismatch": 2e-6},
-    {**ALONE, "force": 2.0, "gravity": 1.0},
-]
+PUSHED = {**ALONE, "force": 2.0, "gravity": 1.0}
 
 
-@pytest.mark.parametrize("of_beam", MADE)
-@pytest.mark.parametrize("of_device", AROUND)
+@pytest.mark.parametrize("of_beam", CASES["beams"])
+@pytest.mark.parametrize("of_device", [*CASES["devices"], PUSHED])
 def test_the_recipe_of_a_device_is_read_back(of_device, of_beam):
     device = replace(DEVICE, **of_device, beam=replace(BEAM, **of_beam))
     assert read_device(device_sections(device)["device"]) == device

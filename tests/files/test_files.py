@@ -17,7 +17,7 @@ import xarray as xr
 import snapmap
 from snapmap.files.atomic import fingerprint, hold
 from snapmap.files.tables import read_rows
-from snapmap.files.text import exact, is_showable, stem_of
+from snapmap.files.text import exact, is_showable, stem_of, table
 from snapmap.solver.options import Cosines
 from snapmap.study.variables import write
 from snapmap.thresholds.summary import write_thresholds
@@ -60,6 +60,7 @@ def test_names_of_files_are_short_and_plain_and_differ_as_their_words_do():
     names = [stem_of("N", word) for word in words] + [stem_of(*each) for each in WORDS]
     assert len({*names}) == len(names)
     assert all(re.fullmatch(r"[\w.+-]{1,80}", name, re.ASCII) for name in names)
+    assert table(["a", "b"], [["1"], []]) == "| a | b |\n|:--|--:|\n| 1 | – |\n| – | – |\n"
     assert stem_of("map", "thickness1.9", "versed sine") == "map_thickness1.9_versed_sine"
 
 

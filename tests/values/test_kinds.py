@@ -113,16 +113,6 @@ def test_any_text_is_a_finite_quantity_or_a_fault(text):
 
 UNITS = {kind.unit for kind in KINDS.values()} - {"", "%"}
 RATES = {KINDS["Rate"].unit, KINDS["Frequency"].unit}
-NEVER = (
-    *(600, "600", None, True, {"a": 1}, "long", "inf um", "1,5 um", "(1+1) um", "1e1000 um"),
-    *("2**9**9**9 um", "600 foo", "600 um*dB", "20 degF", "1e999 um", math.inf),
-)
-NOT_THIS = {
-    **{"Contact": ["Hard"], "Stiffness": ["hard"], "Amplitude": ["600 g", math.inf]},
-    **{"Frequency": ["10 krad/s", "10 rpm", "1 rad/s", "1 turn/s"], "Rate": ["10 rad/us"]},
-    "Temperature": ["0 K", "-273.15 degC", "70 degF"],
-    **{"Share": ["0.1", 0.1, "3 dB", "0 %", "100 %"], "Fraction": ["1 %", "1", 0, True, None]},
-}
 
 
 @pytest.mark.parametrize("target", USUAL)
@@ -133,12 +123,12 @@ def test_usual_units_are_those_of_pint(target):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_quantity_is_one_line_with_its_value_and_an_example(kind):
-    of, values = KINDS[kind], NOT_THIS.get(kind, [])
+    of, values = KINDS[kind], CASES["not"].get(kind, [])
     if of.unit not in ("", "%"):
         others = (unit for unit in UNITS if unit != of.unit and {unit, of.unit} != RATES)
         sizes = (size for size in ("-3", "0") if not of.bounds.holds(float(size)))
         beyond = (f"{size} {of.unit}" for size in ("nan", "inf", "1e25", "1e-40", *sizes))
-        values = [*values, *NEVER, *beyond, *(f"25 {unit}" for unit in others)]
+        values = [*values, *CASES["never"], *beyond, *(f"25 {unit}" for unit in others)]
     for value in values:
         with pytest.raises(ValueError) as caught:
             of.read(value)

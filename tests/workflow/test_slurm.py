@@ -17,15 +17,16 @@ from snapmap.applications.whole import load_config
 from snapmap.sweeps.slabs import slab_name
 from snapmap.workflow.plan import make_plan
 
-IN_SLABS = TINY.replace("points: 8", "points: 8000")
+IN_SLABS = TINY.replace("points: 8", "points: 24000")
 """A grid that takes longer than the start of a job: a slab for each C."""
 STUBS = {
-    "sbatch": """echo "$@" >>'{asked}'
+    "sbatch": """echo "$@" >>'{asked}' && number=$(wc -l <'{asked}')
 for word; do case $word in --wrap=*) sh -c "${{word#--wrap=}}" >&2 ;; esac; done
-wc -l <'{asked}'""",
+echo $number""",
     "srun": """while [ "${{1#-}}" != "$1" ]; do shift; done; exec "$@\"""",
     "squeue": "awk '{{ print NR \"|COMPLETED\" }}' '{asked}'",
-    **dict.fromkeys(("sinfo", "sacct", "sacctmgr", "scancel", "scontrol"), "true"),
+    "scontrol": "echo 'MinJobAge = 300 sec'",
+    **dict.fromkeys(("sinfo", "sacct", "sacctmgr", "scancel"), "true"),
 }
 """Slurm as its users see it: a job runs while it is handed in, and what it asked for is noted."""
 

@@ -35,3 +35,6 @@ def test_thresholds_lie_over_the_velocity_change_between_their_limits(ax):
     guides = [line for line in ax.lines if line.get_color() == DURATION["color"]]
     v, N = guides[1].get_xydata().T
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
+    names = {float(note.get_text().removesuffix(" ms")): note.xy for note in ax.texts}
+    assert {*names} == {10.0, 1.0, 0.1}
+    assert [x / y for x, y in names.values()] == pytest.approx([5e-3 * ms for ms in names])

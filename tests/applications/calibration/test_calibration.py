@@ -5,11 +5,13 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import norm
 from small_results import drawn
+from small_studies import cases_of
 
 import snapmap
 from snapmap import Study
-from snapmap.applications.calibration import figure
+from snapmap.applications.calibration import dataset, figure
 from snapmap.applications.calibration.dataset import Profile, Surface, fit, reach, summary
 from snapmap.applications.calibration.shots import read_shots, shots_from
 from snapmap.pulse.shocks import HANDOUT_SHOCK
@@ -109,6 +111,20 @@ def test_the_thickness_is_read_off_shots_of_the_solver_itself(handout):
     assert fitted.threshold.values == pytest.approx(950.0, abs=5.0)
 
 
+def test_a_likelihood_is_a_product_of_normal_probabilities_and_its_information_fishers():
+    """Of lognormal thresholds, whose errors add to the spread; slopes of 1."""
+    shots, error, at = shots_from(SHOTS, HANDOUT_SHOCK, None), 0.03, np.log(950.0)
+    z = (np.log(shots.N) - at) / np.sqrt(dataset.SPREADS[:, None] ** 2 + error**2)
+    likelihood = dataset.Likelihood(shots, np.array([error]))
+    expected = norm.logcdf(np.where(shots.tripped, z, -z)).sum(axis=1)
+    np.testing.assert_allclose(likelihood.of(np.array([[at]]))[0], expected)
+    place, surface = np.array([(at - np.log(1000.0) + 0.3) / 0.6]), straight(np.ones((1, 1)))
+    covariance, slopes = dataset.information_at(place, surface, likelihood, 0.05)
+    z = (np.log(shots.N) - at) / 0.05
+    fisher = (norm.pdf(z) ** 2 / norm.cdf(z) / norm.sf(z)).sum() * (0.6 / 0.05) ** 2
+    assert slopes == pytest.approx(0.6) and covariance == pytest.approx(1 / (fisher + 12.0))
+
+
 @pytest.mark.usefixtures("paper")
 def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     columns = {"f0": [1e3, 1e3, 2e3], "N": [900.0, 1100.0, 1000.0], "tripped": [0, 1, 0]}
@@ -127,17 +143,7 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     assert [shots.get_markerfacecolor() for shots in (stayed, tripped)] == ["white", "black"]
 
 
-@pytest.mark.parametrize(
-    ("table", "remedy"),
-    [
-        (
-            'N,f0,tripped\n"1,000",1000,yes\n',
-            "'1,000' is .*; write numbers without a comma, such as",
-        ),
-        ("N;f0;tripped\n1,000;1000;yes\n", "'1,000' is .*; write numbers without a comma, such as"),
-        ("N (m/s^2),f0,tripped\n1,2,yes\n", r"unit 'm/s\^2' is unknown; write N or N \(g\)$"),
-    ],
-)
+@pytest.mark.parametrize(("table", "remedy"), cases_of(__file__))
 def test_a_remedy_for_a_table_is_itself_right(tmp_path, table, remedy):
     (tmp_path / "shots.csv").write_text(table, encoding="utf-8")
     with pytest.raises(ValueError, match=remedy):

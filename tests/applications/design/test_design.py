@@ -67,8 +67,7 @@ def test_ends_of_windows_of_linear_thresholds_are_exact_with_their_errors(handou
     needs = [require("trip", 2124.95, True), require("stay", 1250.05, False)]
     made = snapmap.design(handout, "thickness", requirements=needs, **LINEAR)
     assert made.low.item() == pytest.approx(1.25005) and made.high.item() == pytest.approx(2.12495)
-    for key, bar in ("low", 0.005), ("high", 0.005):
-        assert made[f"{key}_error"].item() == pytest.approx(bar + part / 2)
+    assert [*made.low_error, *made.high_error] == pytest.approx([0.005 + part / 2] * 2)
     made = snapmap.design(handout, "thickness", requirements=needs[1:], **LINEAR)
     assert made.low.item() == pytest.approx(1.25005) and made.low_from.item() == "stay"
     assert made.high.item() == pytest.approx(2.5, abs=part) and made.high_from.item() == "stay"

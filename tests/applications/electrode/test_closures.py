@@ -12,6 +12,7 @@ from small_studies import TINY
 from varied import varied
 
 import snapmap
+from snapmap.applications.electrode import closures
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
 from snapmap.applications.electrode.required import judge_closing
 from snapmap.applications.histories.history import observed_of
@@ -176,3 +177,14 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     judged = judge_closing(met, **required)
     assert judged.verdict == verdict and len(judged.more) == len(closing) + len(required)
     assert judge_closing(failed, **required).verdict == "failed"
+
+
+def test_a_sheet_has_the_closures_of_each_requirement_that_closes(study):
+    more = {"t_closed": 123.4567, "closed_for": 7.0, "openings": 2.0, "closed_share": 0.5}
+    more |= {f"{key}_error": 0.26 for key in more}
+    words, table = closures.sections(study, [make_verdict(more=more), make_verdict()])
+    assert words == "The electrode, to 0.3 ms after a shock:\n"
+    first, *_, share = table.splitlines()[2:]
+    assert first.startswith("| first closure | 123.5 us | 0.3 us | drop, half sine +z")
+    assert share.startswith("| share of the time since then closed | 0.5 | 0.3 | drop, ")
+    assert closures.sections(study, [make_verdict()]) == []

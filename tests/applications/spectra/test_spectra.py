@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.signal import lsim
 
 import snapmap
 from snapmap import Study
 from snapmap.applications.spectra import trips as spectra_trips
 from snapmap.applications.spectra.psd import Density, Spectrum
-from snapmap.applications.spectra.required import RequiredSpectrum
+from snapmap.applications.spectra.required import RequiredSpectrum, RequiredVibration
 from snapmap.applications.spectra.srs import (
     BAND,
     Levels,
@@ -150,6 +151,8 @@ def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, in_g, in_si,
         for read in (kind.read, kind.take):
             assert read(points)[:, 1] == pytest.approx([3.5 * size, 7.0 * size], rel=1e-14)
     assert kind.take([(20.0, 3.5), (2000.0, 7.0)])[:, 1].tolist() == [3.5, 7.0]
+    with pytest.raises(ValueError, match=r"^frequencies and values are not "):
+        kind.take([(20.0, 1.0)] * 2)
     for wrong in (3.5, "3.5", "3.5 m", "3.5 g/Hz", "3.5 kg", "g", "1.2.3 g", True, None, "3.5 m/s"):
         with pytest.raises(
             ValueError, match=r"\[1\]\[1\]: .*; write a (density|level) in one of g"
@@ -169,6 +172,8 @@ def vibration_samples(spectrum, length, seed=1):
 def test_rms_is_the_integral_of_straight_lines_on_logarithmic_scales():
     bent = Spectrum([(20.0, 0.01), (80.0, 0.04), (2000.0, 0.04)])
     assert bent.rms == pytest.approx(math.sqrt(0.01 * (80**2 - 20**2) / 40 + 0.04 * 1920))
+    inside, outside = bent.at(np.array([20.0, 40.0, 80.0, 2e3])), bent.at(np.array([19.9, 2001.0]))
+    assert inside == pytest.approx([0.01, 0.02, 0.04, 0.04]) and not outside.any()
     falling = Spectrum([(10.0, 1.0), (100.0, 0.1)])
     assert falling.rms == pytest.approx(math.sqrt(10 * math.log(10)))
 
@@ -212,6 +217,31 @@ def test_an_oscillator_answers_as_miles_and_rice_say():
     level = 2 * answer.std()
     crossings = np.count_nonzero((answer[:-1] < level) & (answer[1:] >= level))
     assert crossings / 20.0 == pytest.approx(f * math.exp(-2), rel=0.1)
+
+
+BOUNDS = [(8.0, 11.0, "met", "failed"), (3.0, 4.0, "failed", "met"), (4.0, 6.0, *["unclear"] * 2)]
+
+
+@pytest.mark.parametrize(("low", "high", "rests", "trips"), BOUNDS)
+def test_a_vibration_is_judged_by_the_bounds_of_its_level_at_the_allowed_probability(
+    study, monkeypatch, low, high, rests, trips
+):
+    """Here of 5 g rms; where it must trip, of the probability that it does not."""
+    asked, told = [], {"snaps": [1.0], "level_low": [low], "level_high": [high]}
+    told = {key: ("C", row) for key, row in (told | {"level": [low + 1.0]}).items()} | {"rms": 5.0}
+
+    def rates(study, axes, spectrum, drawn):
+        asked.append((drawn["reach"], drawn["duration"]))
+        return xr.Dataset(told)
+
+    monkeypatch.setattr("snapmap.applications.spectra.vibration.vibration_of", rates)
+    for must, verdict in ((False, rests), (True, trips)):
+        shaken = RequiredVibration("a", must, FLAT, 1e6, probability=0.1)
+        (row,) = shaken.judged(study, "", [25.0])
+        assert (row.verdict, row.must_snap) == (verdict, must and "arrives")
+        assert (row.N, row.duration, row.margin) == (5.0, 1e3, (low + 1.0) / 5.0)
+        assert row.margin_error == max(high - low - 1.0, 1.0) / 5.0 and row.outcome == "snapped"
+    assert asked == [(0.1, 1.0), (0.9, 1.0)]
 
 
 def test_a_rate_that_obeys_the_law_is_found_with_its_bounds():

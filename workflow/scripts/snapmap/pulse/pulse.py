@@ -250,6 +250,11 @@ class Pulse:
         jumps = np.append(first, 0.0) - np.insert(last, 0, 0.0)
         return not any(self.ends) and bool(abs(jumps).max() < NO_JUMP)
 
+    @cached_property
+    def is_flat(self) -> bool:
+        """Whether it is constant, so that steps of any length sample it exactly."""
+        return len(self.pieces) == 1 and not self.pieces[0, 2:].any()
+
     @property
     def pulls(self) -> bool:
         """Whether more than PULLED of the pulse points away from the beam."""

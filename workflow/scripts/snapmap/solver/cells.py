@@ -117,11 +117,15 @@ def no_observations(shape: tuple[int, ...]) -> Observations:
     )
 
 
+def _alike(device, pulse, *values):
+    """Broadcast indices of devices and pulses, and numbers, to arrays of one shape."""
+    numbers = (np.asarray(column, float) for column in values)
+    return np.broadcast_arrays(np.asarray(device, np.int64), np.asarray(pulse, np.int64), *numbers)
+
+
 def to_rows(device, f0, C, pulse=0, pulses=HANDOUT_PULSES) -> Rows:
     """Make rows of arrays that broadcast; f0: Hz; C: uN us/um; pulse: index in pulses."""
-    indices = (np.asarray(column, np.int64) for column in (device, pulse))
-    values = (np.asarray(column, float) for column in (f0, C))
-    device, pulse, f0, C = (np.ravel(a) for a in np.broadcast_arrays(*indices, *values))
+    device, pulse, f0, C = map(np.ravel, _alike(device, pulse, f0, C))
     return Rows(device, f0, C, pulse, pulses)
 
 
@@ -133,9 +137,7 @@ def to_cells(
     devices: a single one, or a batch; device: indices in it; pulse: indices in pulses
     horizon: time followed after the pulse, us
     """
-    indices = (np.asarray(column, np.int64) for column in (device, pulse))
-    values = (np.asarray(column, float) for column in (N, f0, C))
-    device, pulse, N, f0, C = np.broadcast_arrays(*indices, *values)
+    device, pulse, N, f0, C = _alike(device, pulse, N, f0, C)
     gravity, factor = (np.atleast_1d(a)[device] for a in (devices.gravity, devices.damper_factor))
     f0 = f0 * 1e-6
     # Without a mass a damper of any constant keeps y at 0.

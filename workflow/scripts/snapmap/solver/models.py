@@ -133,20 +133,22 @@ class Model:
         flat = cells.flat()
         observed = no_observations(flat.f0.shape)
         longest = self.steps.factor * self.steps.longest[MOVE][flat.device]
-        left = np.flatnonzero(self.time_steps(flat, settings) >= SMALLEST * longest)
+        dt = self.time_steps(flat, settings)
+        left = np.flatnonzero(dt >= SMALLEST * longest)
         for halvings in range(HALVINGS + 1):
             if not left.size:
                 break
             model = self.with_step(math.ldexp(1.0, -halvings)) if halvings else self
-            observed.replace(left, model.follow_once(flat.take(left), settings))
+            steps = None if halvings else dt[left]
+            observed.replace(left, model.follow_once(flat.take(left), settings, steps))
             observed.halvings[left] = halvings
             left = left[~(observed.energy_error[left] <= settings.energy_tolerance)]
         return observed.shaped(np.shape(cells.f0))
 
-    def follow_once(self, cells: Cells, settings: Run) -> Observations:
-        """Follow every cell, (cells,), once, in steps of the rule, whatever its ledger says."""
+    def follow_once(self, cells: Cells, settings: Run, dt: Number | None = None) -> Observations:
+        """Follow every cell, (cells,), once, whatever its ledger says; dt: us, as `time_steps`."""
         observed = no_observations(cells.f0.shape)
-        dt = self.time_steps(cells, settings)
+        dt = self.time_steps(cells, settings) if dt is None else dt
         # Lanes run side by side: those of a call should all be full, and take about as many steps.
         order, loop = np.argsort(-cells.t_end / dt, kind="stable"), self.loop()
         threads = max(1, min(settings.threads, -(-order.size // loop.LANES)))

@@ -35,14 +35,9 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     dt_excited, dt_calm = model.steps_after_snap(cells, dt, settings)
     facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
-        devices=_coefficients(model, settings.start),
-        pulses=table(cells.pulses),
-        device=cells.device,
-        pulse=cells.pulse,
-        amplitude=cells.amplitude,
-        f0=cells.f0,
-        damping=cells.damping,
-        t_end=cells.t_end,
+        _coefficients(model, settings.start),
+        table(cells.pulses),
+        *cells[:-1],
         dt=dt,
         dt_excited=dt_excited,
         dt_calm=dt_calm,

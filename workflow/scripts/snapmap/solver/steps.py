@@ -94,20 +94,22 @@ class Steps:
         speed, shaken: as `strikes` returns them
         """
         swings = np.array([pulse.swings for pulse in cells.pulses])[cells.pulse]
+        forms = np.array([(p.is_flat, p.is_smooth, p.strikes) for p in cells.pulses])
+        flat, smooth, strikes = forms.T[:, cells.pulse]
         swing = 1 / (swings * cells.f0)
         resolved, shortest = swing / self.per_swing, self.shortest[cells.device]
         if question == EDGE:
-            strikes = (swing / self.blows[cells.device]) ** 2
-            resolved = np.minimum(resolved, strikes * shortest)
+            of_blows = (swing / self.blows[cells.device]) ** 2
+            resolved = np.minimum(resolved, of_blows * shortest)
         longest = self.longest[question][cells.device]
         if question in (SNAP, EDGE):
-            smooth, strikes = np.array([(p.is_smooth, p.strikes) for p in cells.pulses]).T
-            rests = ~(strikes[cells.pulse] | self.returns[cells.device] | (speed > 0))
-            slow = np.where(smooth[cells.pulse], swing / self.most[cells.device], 0.0)
+            rests = ~(strikes | self.returns[cells.device] | (speed > 0))
+            slow = np.where(smooth, swing / self.most[cells.device], 0.0)
             longest = np.where(rests, np.maximum(self.pressed[cells.device], slow), longest)
         step = np.minimum(longest, np.maximum(resolved, shortest))
         factor = min(self.factor, MORE)
-        step = np.minimum(self.factor * step, factor * swing / FEWEST_STEPS)
+        most = np.where(flat, np.inf, factor * swing / FEWEST_STEPS)
+        step = np.minimum(self.factor * step, most)
         if not (np.any(speed) or np.any(shaken)):
             return step
         own = np.where(shaken, self.own_tightening[cells.device], 0.0)
@@ -225,7 +227,6 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
     # A law of the force leaves no tension, and a single mode.
     stay = STAY_TURN * np.where(fastest > 0, slowest, 1.0) / np.where(fastest > 0, fastest, 1.0)
     longest = LONGEST | {STAY: np.minimum(LONGEST[STAY], stay)}
-    own_load = strike_tightening(device.beam.weight, modal)
     return Steps(
         longest={question: turn * period for question, turn in longest.items()},
         shortest=SHORTEST * period,
@@ -234,7 +235,7 @@ def steps_of(device: Device, modal: ModalBeam) -> Steps:
         returns=np.broadcast_to(device.has_stops, period.shape),
         most=np.broadcast_to(most_steps(device), period.shape),
         tightening=np.broadcast_to(strike_tightening(device.mass, modal), period.shape),
-        own_tightening=np.broadcast_to(own_load, period.shape),
+        own_tightening=np.broadcast_to(strike_tightening(device.beam.weight, modal), period.shape),
         arch=1 / period,
         per_swing=PER_SWING,
     )

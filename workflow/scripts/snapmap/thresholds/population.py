@@ -43,13 +43,11 @@ NOMINAL_REACH = 30.0
 def nominal_thresholds(probe: Probe, tolerance: float) -> np.ndarray:
     """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none."""
     start = probe.settings.start
-    bound = least_amplitudes(probe.model, probe.rows, start)
     static = static_threshold(probe.model.device, back=start == SECOND)
-    rough, *_ = scan_upwards(probe, static, bound)
+    rough, *_ = scan_upwards(probe, static, least_amplitudes(probe.model, probe.rows, start))
     N = amplitudes(ISLANDS_FROM * rough, rough, ISLAND_STEP)
-    begins = probe.snaps(N)
-    begins[:, 1:] &= ~begins[:, :-1]
-    begins[:, 0] = False
+    snaps = probe.snaps(N)
+    begins = snaps & np.diff(snaps, prepend=snaps[:, :1])
     return refine(probe, *first_snap(N, begins), tolerance)[1]
 
 

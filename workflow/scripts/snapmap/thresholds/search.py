@@ -21,7 +21,7 @@ from ..solver.cells import Rows
 from ..solver.models import Follows
 from ..solver.settings import FIRST, THRESHOLD_TOLERANCE, Run
 from .edges import Edges, Seen, Window, around, edges_of, joined, outermost, scan, stretches
-from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, RAGGED_STEP, SCAN_STEP, TOGETHER
+from .effort import CLOSE_PLACES, CLOSE_STEP, ISLAND_STEP, LANES, RAGGED_STEP, SCAN_STEP, TOGETHER
 from .probe import Probe, amplitudes, first_snap, refine
 from .ragged import CLEAN_REACH, RAGGED_REACH, scan_ragged
 
@@ -152,8 +152,8 @@ def scan_upwards(
     """
     N = amplitudes(*scan_range(probe, static, bound), SCAN_STEP)
     t_snap = np.full(N.shape, np.nan)
-    count = N.shape[1]
-    for part in np.split(np.arange(count), range(TOGETHER, count, TOGETHER)):
+    count, together = N.shape[1], max(TOGETHER, LANES // max(1, len(N)))
+    for part in np.split(np.arange(count), range(together, count, together)):
         quiet = ~np.isfinite(t_snap).any(axis=1, keepdims=True)
         t_snap[:, part] = probe(np.where(quiet, N[:, part], np.nan))
     first = first_snap(N, np.isfinite(t_snap))[1]
@@ -191,6 +191,8 @@ def scan_range(
     # mass at its stop may swing further than a lasting push moves it.
     from_bound = np.isfinite(device.stop_toward) | (start != FIRST) & ~device.is_alone
     low = np.where(from_bound[rows.device], np.minimum(low, SLACK * bound), low)
+    flat = np.array([pulse.is_flat for pulse in ahead])[rows.pulse]
+    low = np.where(flat, np.maximum(low, SLACK * bound), low)
     return low, 5 * static / press * (1 + fast) * (1 + damped)
 
 

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from ..pulse.pulse import make_pulse
 from ..solver.adaptive import choose_survey
 from ..solver.bounds import least_amplitudes
 from ..solver.cost import steps_and_seconds
@@ -19,15 +20,16 @@ from ..study.study import OF_THRESHOLDS, Study
 from ..study.variables import as_dataset, dress, flags
 from ..values.quantities import Dampers, Frequencies, Positive, PulseTimes, Refinement
 from .effort import CLOSE_STEP, ISLAND_STEP, RAGGED_STEP
+from .population import nominal_thresholds
 from .probe import Probe, amplitudes, walk
 from .search import ISLANDS_TO, Search
 from .slow import fall, growth_rate, is_slow, slow_factor
 from .survey import STATUS, lowest, tell_cost
 from .verified import find_thresholds, initial_rows, off_surfaces, split_rows, surfaces
 
-IMPULSE, IMPULSE_OF_BEAM = 100.0, 10.0
-"""Frequency, over the device's own and over the beam's, of a pulse that stands for a jump in
-velocity."""
+JUMP, AT_ONCE = make_pulse("trapezoid", rise=0.0, fall=0.0), 1e4
+"""A pulse that is constant, and so fast, over the beam's bending frequency, that it is over within
+a time step: a jump in velocity."""
 SLOWNESS = 0.02
 """Frequency, over the device's own, of a pulse that stands for a long one, if pulses jump."""
 NO_AREA = 1e-3
@@ -45,11 +47,10 @@ def limits_of(search: Search, grid: Grid, chosen: Chosen) -> dict[str, tuple]:
     dims, sizes = tuple(grid.axes), grid.shape[first:last]
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
     impact = np.array([pulse.impact for pulse in grid.pulses])
-    find = partial(_find_velocity_change, search, single, sizes)
+    ways = tuple(float(np.sign(p.area) * (abs(p.area) > NO_AREA)) for p in single.pulses)
+    find = partial(_find_velocity_change, search, single, sizes, ways)
     places = single.device_of.shape, single.device_of.tobytes(), tuple(grid.axes["C"].tolist())
-    pulses = tuple((pulse.pieces.tobytes(), pulse.ends) for pulse in single.pulses)
-    how = search.settings, search.tolerance, search.highest, search.from_bound
-    others = "velocity change", sizes, *places, pulses, how
+    others = "velocity change", sizes, ways, *places, search.settings, search.tolerance
     return {
         "N_static": (dims[:last], _find_static(search, grid, single, sizes)),
         "velocity_change": ((*dims[:last], "C"), kept(find, grid.device, chosen, *others).copy()),
@@ -76,16 +77,17 @@ def _find_static(search, grid, single, sizes):
     return np.where(jumps.reshape(sizes), N, static)
 
 
-def _find_velocity_change(search, grid, sizes):
-    """Find the velocity change that snaps, by short pulses, m/s, (..., *sizes, C)."""
-    device, area = grid.device, np.array([pulse.area for pulse in grid.pulses])
-    frequency, of_beam = device.own_frequency, device.beam.bending_frequency
-    fast = np.maximum(IMPULSE * frequency, IMPULSE_OF_BEAM * of_beam)
+def _find_velocity_change(search, grid, sizes, ways):
+    """Find the velocity change that snaps, m/s, (..., *sizes, C), by jumps in velocity.
+
+    ways: 1 for pulses that jump forward, -1 backward, 0 for those without a change
+    """
+    device, jumps = grid.device, tuple(JUMP if way > 0 else JUMP.reversed() for way in ways)
+    fast = AT_ONCE * device.beam.bending_frequency
     # A force does not shake the frame, and so changes no velocity of it.
-    pushes = np.flatnonzero((abs(area) > NO_AREA) & np.all(device.force == 0))
-    N = _lowest_of(search, grid, fast, pushes, is_short=True)
-    scale = _spread(grid, device.gravity * (2 * np.pi / fast), sizes) * abs(area).reshape(sizes)
-    return N * scale[..., np.newaxis]
+    pushes = np.flatnonzero(np.array(ways) * np.all(device.force == 0))
+    N = _lowest_of(search, grid._replace(pulses=jumps), fast, pushes, is_short=True)
+    return N * _spread(grid, device.gravity * (2 * np.pi / fast), sizes)[..., np.newaxis]
 
 
 def _lowest_of(search, grid, omega, which, is_short):
@@ -102,10 +104,11 @@ def _lowest_of(search, grid, omega, which, is_short):
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
     alone = off_surfaces(exists, parts)
     search, models = search._replace(rows=rows), search.models
-    level = models.levels[-1] if is_short else models
-    N[alone] = lowest(search.take(alone)._replace(models=level))
-    surface = np.sort(initial_rows(parts)) if is_short else np.flatnonzero(exists & ~alone)
-    N[surface] = lowest(search.take(surface))
+    if is_short:
+        for part, level in (alone, models.levels[-1]), (initial_rows(parts), models):
+            N[part] = nominal_thresholds(search.take(part).probe(level.ragged), search.tolerance)
+    else:
+        N[exists] = lowest(search.take(exists))
     return N.reshape(grid.shape[:-1])
 
 
