@@ -37,7 +37,7 @@ def tidy(thresholds: xr.Dataset) -> pd.DataFrame:
 
 
 def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np.inf) -> str:
-    """Sum up thresholds in one line: their range, errors, ragged ones, and the weaker direction.
+    """Sum up thresholds in one line: their range, errors, and which direction needs less.
 
     lowest, highest: ends of a grid's N; the line says which maps lie on one side of the threshold
     """
@@ -68,10 +68,10 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
             line += f"; the grid lies wholly {side} the threshold{where}"
     if thresholds.sizes.get("direction", 1) < 2:
         return line
-    # If nothing snaps in one direction, the other is the weaker one.
-    weaker = N_first.fillna(np.inf).idxmin("direction").where(N_first.notnull().any("direction"))
-    sides = [f"{side} in {int((weaker == side).sum())} rows" for side in N_first.direction.values]
-    return f"{line}; weaker along {', '.join(sides)}"
+    # If nothing snaps in one direction, the other needs less.
+    lower = N_first.fillna(np.inf).idxmin("direction").where(N_first.notnull().any("direction"))
+    sides = [f"{side} in {int((lower == side).sum())}" for side in N_first.direction.values]
+    return f"{line}; less N is needed along {', '.join(sides)} of {lower.size} pairs"
 
 
 def to_digits(N: float, error: float) -> str:

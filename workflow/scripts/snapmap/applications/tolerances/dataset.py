@@ -410,11 +410,11 @@ def _stresses(batch, study, requirements, C):
 def summary(tolerance: xr.Dataset) -> str:
     """Write in a line the number of samples, the scatter of thresholds and its cause, the yield."""
     size, missing = tolerance.bistable.size, int((tolerance.bistable == 0).sum())
-    spread = (tolerance.N_std / tolerance.N_mean).values
+    spread = 100 * (tolerance.N_std / tolerance.N_mean).values
     spread = spread[np.isfinite(spread)]
     words = [f"{size} samples", f"{missing} without a second stable shape"]
     if spread.size:
-        words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g}, relative")
+        words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g} %")
     total = tolerance.sensitivity.sel(order="total")
     total = total.mean([dim for dim in total.dims if dim != "value"])
     if total.notnull().any():
