@@ -35,9 +35,8 @@ def march(model, cells: Cells, dt: np.ndarray, settings: Run) -> Facts:
     dt_excited, dt_calm = model.steps_after_snap(cells, dt, settings)
     facts = Facts(*(getattr(nothing, key) for key in Facts._fields))
     task = Task(
-        _coefficients(model, settings.start),
-        table(cells.pulses),
-        *cells[:-1],
+        devices=_coefficients(model, settings.start),
+        **cells._asdict() | {"pulses": table(cells.pulses)},
         dt=dt,
         dt_excited=dt_excited,
         dt_calm=dt_calm,

@@ -40,15 +40,18 @@ NOMINAL_REACH = 30.0
 """Factor on the nominal threshold, up and down, within which a sample's threshold is sought."""
 
 
-def nominal_thresholds(probe: Probe, tolerance: float) -> np.ndarray:
-    """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none."""
+def nominal_thresholds(probe: Probe, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Find the lowest N that snaps in each row, without a first guess, (rows,); NaN for none.
+
+    Returns also where snaps begin more than once in the scan below the first N found.
+    """
     start = probe.settings.start
     static = static_threshold(probe.model.device, back=start == SECOND)
     rough, *_ = scan_upwards(probe, static, least_amplitudes(probe.model, probe.rows, start))
     N = amplitudes(ISLANDS_FROM * rough, rough, ISLAND_STEP)
     snaps = probe.snaps(N)
     begins = snaps & np.diff(snaps, prepend=snaps[:, :1])
-    return refine(probe, *first_snap(N, begins), tolerance)[1]
+    return refine(probe, *first_snap(N, begins), tolerance)[1], begins.sum(axis=1) > 1
 
 
 def thresholds_of_samples(
@@ -240,8 +243,8 @@ class Batch:
             which, part = choice.rows, rows.take(choice.rows)
             if not which.any():
                 continue
-            N = nominal_thresholds(Probe(choice.of(self.nominal), part, settings), tolerance / 10)
-            nominal[which] = N
+            probe = Probe(choice.of(self.nominal), part, settings)
+            nominal[which] = N = nominal_thresholds(probe, tolerance / 10)[0]
             if self.size:
                 probe = Probe(choice.of(self.models), self._rows(part), settings)
                 levels, ragged[which] = thresholds_of_samples(probe, self.deviations, N, tolerance)
@@ -328,7 +331,7 @@ def choose_levels(device: Device, model: Chosen, rows: Rows, settings: Run) -> l
         return [Choice(left)]
     auto = choose_model(batch_of([device]), model, settings.start)
     accepted = model.tolerance
-    rough = nominal_thresholds(Probe(auto.base.with_step(4.0), rows, settings), accepted)
+    rough, _ = nominal_thresholds(Probe(auto.base.with_step(4.0), rows, settings), accepted)
     finest, same = (Probe(auto.top.with_step(step), rows, settings) for step in (0.5, 1.0))
     reach = distance(finest, rough, accepted)
     reach[np.isinf(reach)] = np.nan

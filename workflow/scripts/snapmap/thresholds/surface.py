@@ -46,15 +46,14 @@ def limits_of(search: Search, grid: Grid, chosen: Chosen) -> dict[str, tuple]:
     first, last = grid.device_of.ndim, len(grid.axes) - 2
     dims, sizes = tuple(grid.axes), grid.shape[first:last]
     single = grid._replace(pulses=tuple(pulse.alone for pulse in grid.pulses))
-    impact = np.array([pulse.impact for pulse in grid.pulses])
     ways = tuple(float(np.sign(p.area) * (abs(p.area) > NO_AREA)) for p in single.pulses)
     find = partial(_find_velocity_change, search, single, sizes, ways)
     places = single.device_of.shape, single.device_of.tobytes(), tuple(grid.axes["C"].tolist())
-    others = "velocity change", sizes, ways, *places, search.settings, search.tolerance
+    asked = "velocity", sizes, ways, *places, search.settings, search.tolerance, search.highest
     return {
         "N_static": (dims[:last], _find_static(search, grid, single, sizes)),
-        "velocity_change": ((*dims[:last], "C"), kept(find, grid.device, chosen, *others).copy()),
-        "area": (dims[first:last], abs(impact).reshape(sizes)),
+        "velocity_change": ((*dims[:last], "C"), kept(find, grid.device, chosen, *asked).copy()),
+        "area": (dims[first:last], np.reshape([abs(p.impact) for p in grid.pulses], sizes)),
     }
 
 
@@ -94,7 +93,8 @@ def _lowest_of(search, grid, omega, which, is_short):
     """Find N_first, (..., pulses, C), of pulses of a frequency omega, rad/us, (devices,).
 
     which: indices of the pulses; is_short: whether these are short, or else long
-    Short pulses are searched by the finest models, but on surfaces only in the initial rows.
+    Short pulses are sought by the finest models, but on surfaces only in the initial rows, and
+    searched where labels change back and forth.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
@@ -102,11 +102,13 @@ def _lowest_of(search, grid, omega, which, is_short):
     exists, N = (rows.device >= 0) & np.isin(rows.pulse, which), np.full(rows.f0.size, np.nan)
     numbers = np.where(exists, np.arange(N.size), -1).reshape(grid.shape)
     parts = surfaces(grid.axes, numbers, np.zeros(1, bool))
-    alone = off_surfaces(exists, parts)
+    alone = np.flatnonzero(off_surfaces(exists, parts))
     search, models = search._replace(rows=rows), search.models
     if is_short:
         for part, level in (alone, models.levels[-1]), (initial_rows(parts), models):
-            N[part] = nominal_thresholds(search.take(part).probe(level.ragged), search.tolerance)
+            of_part = search.take(part)._replace(models=level)
+            N[part], ragged = nominal_thresholds(of_part.probe(level.ragged), search.tolerance)
+            N[part[ragged]] = lowest(of_part.take(ragged))
     else:
         N[exists] = lowest(search.take(exists))
     return N.reshape(grid.shape[:-1])
