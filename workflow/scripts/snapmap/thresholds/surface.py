@@ -93,8 +93,8 @@ def _lowest_of(search, grid, omega, which, is_short):
     """Find N_first, (..., pulses, C), of pulses of a frequency omega, rad/us, (devices,).
 
     which: indices of the pulses; is_short: whether these are short, or else long
-    Short pulses are sought by the finest models, but on surfaces only in the initial rows, and
-    searched where labels change back and forth.
+    Short pulses are sought by the finest models, but on surfaces only in the initial rows; where
+    labels change back and forth, a search for islands may find a lower one.
     """
     grid = grid._replace(axes=grid.axes | {"f0": np.ones(1)})
     rows = rows_of(grid)
@@ -108,7 +108,7 @@ def _lowest_of(search, grid, omega, which, is_short):
         for part, level in (alone, models.levels[-1]), (initial_rows(parts), models):
             of_part = search.take(part)._replace(models=level)
             N[part], ragged = nominal_thresholds(of_part.probe(level.ragged), search.tolerance)
-            N[part[ragged]] = lowest(of_part.take(ragged))
+            N[part[ragged]] = np.fmin(N[part[ragged]], lowest(of_part.take(ragged)))
     else:
         N[exists] = lowest(search.take(exists))
     return N.reshape(grid.shape[:-1])
