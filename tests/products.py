@@ -20,11 +20,8 @@ def products(study):
     for folder, figures in gather(lambda part: part.figures(study)).items():
         if folder in made or folder == "boundary":
             drawn |= {*figures}
-    return (
-        files
-        | {f"figures/{name}.{ending}" for name in drawn for ending in ("png", "pdf")}
-        | {"explore.html"}
-    )
+    files |= {f"figures/{name}.{ending}" for name in drawn for ending in ("png", "pdf")}
+    return files | {"explore.html"}
 
 
 def assert_whole(folder, study):

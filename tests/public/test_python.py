@@ -214,7 +214,7 @@ def test_what_belongs_elsewhere_is_told_where(right_calls):
             snapmap.sweep(**sweep, **{key: 1})
         assert words in str(caught.value)
     for key, words in {
-        "horizn": "; did you mean horizon",
+        "Horizn": "; did you mean horizon",
         "xyz": "; known here are study, N, ",
     }.items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument{words}"):

@@ -86,8 +86,7 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
 def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, spring, pulse, independent):
     """Thresholds of a code of others; half a unit of their last digit."""
     how = {"horizon": 6000.0, "direction": "-z", "pulse": pulse}
-    asked = {"C": [0.5]}
-    edge = snapmap.threshold(Study(replace(handout, spring=spring), **how), [1000.0], **asked)
+    edge = snapmap.threshold(Study(replace(handout, spring=spring), **how), [1000.0], [0.5])
     assert edge.status == FOUND and abs(edge.N_first - independent) <= edge.N_error + 0.05
     assert edge.N_bound < edge.N_first < 0.25 * static_threshold(handout)
 
@@ -102,9 +101,8 @@ def test_a_beam_that_leaves_a_mass_at_its_stop_snaps_far_below_the_statics(hando
 def test_a_threshold_that_is_not_there_has_its_reason(handout):
     """Pulses that pull slowly, ordinary ones, and those too short for any step."""
     how = {"model": "3 cosines", "horizon": 100.0}
-    asked = {"C": [25.0]}
-    back = snapmap.threshold(Study(handout, direction="-z", **how), [50.0], **asked)
-    there = snapmap.threshold(Study(handout, **how), [1500.0, 1e12], **asked).squeeze("C")
+    back = snapmap.threshold(Study(handout, direction="-z", **how), [50.0], [25.0])
+    there = snapmap.threshold(Study(handout, **how), [1500.0, 1e12], [25.0]).squeeze("C")
     assert back.status == NOTHING_SNAPS and back.N_looked > 4 * static_threshold(handout)
     assert there.status.values.tolist() == [FOUND, NOT_FOLLOWED]
     assert np.isfinite(there.N_first).values.tolist() == [True, False]
@@ -118,9 +116,19 @@ def test_a_threshold_that_is_not_there_has_its_reason(handout):
         assert "grid" not in summary(row, low - first, high + first)
 
 
-def test_ever_shorter_pulses_tend_to_a_jump_in_velocity(handout):
-    """At 1e8 Hz only the shorter steps of the deciding level follow the pulse."""
-    edges = snapmap.threshold(Study(handout, horizon=300.0), [1e6, 1e7, 1e8], [200.0]).squeeze()
+@pytest.mark.parametrize("is_ragged", [False, True])
+def test_ever_shorter_pulses_tend_to_a_jump_in_velocity(handout, monkeypatch, is_ragged):
+    """At 1e8 Hz only the shorter steps of the deciding level follow the pulse.
+
+    Where the scan calls a row ragged, and here finds nothing, the search for islands finds it.
+    """
+    if is_ragged:
+        monkeypatch.setattr(
+            "snapmap.thresholds.surface.nominal_thresholds",
+            lambda probe, _: (np.nan * probe.rows.f0, probe.rows.f0 > 0),
+        )
+    study = Study(handout, horizon=300.0 + is_ragged)  # of which nothing is kept
+    edges = snapmap.threshold(study, [1e6, 1e7, 1e8], [200.0]).squeeze()
     change = edges.N_first * handout.gravity * 0.5 / (1e-6 * edges.f0)
     longer, shorter = abs(np.diff(change))
     assert shorter < longer / 10

@@ -35,9 +35,8 @@ def test_a_beam_snaps_by_its_own_inertia(handout, change, f0):
 
 
 def test_ragged_rows_have_a_band_and_finite_bars(handout):
-    edges = snapmap.threshold(Study(handout, threads=2), [1500.0, 5800.0, 9000.0], [0.025]).squeeze(
-        "C"
-    )
+    study = Study(handout, threads=2)
+    edges = snapmap.threshold(study, [1500.0, 5800.0, 9000.0], [0.025]).squeeze("C")
     assert edges.ragged.values.tolist() == [0, 1, 1]
     assert np.isfinite(edges.N_error).all()
     assert (edges.N_first <= edges.N_always).all()

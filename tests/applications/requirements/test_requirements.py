@@ -66,10 +66,9 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     device, degrees = replace(handout, modulus_slope=-1e-3), [-40.0, 120.0]
     shapes = {"pulse": ["half sine", "versed sine"], "direction": "both"}
     how = {"model": study.model, "horizon": 300.0, **shapes}
-    asked = {"axes": {"temperature": degrees}}
-    thresholds = snapmap.threshold(Study(device, **how), [2000.0], [25.0], **asked).N_first.squeeze(
-        ["C", "f0"]
-    )
+    axes = {"temperature": degrees}
+    found = snapmap.threshold(Study(device, **how), [2000.0], [25.0], axes=axes)
+    thresholds = found.N_first.squeeze(["C", "f0"])
     N = float(np.sqrt(thresholds.min() * thresholds.max()))
     shocks = make_shocks(*shapes.values())
     required = Shock(name="launch", N=N, snaps="arrives", f0=2000.0, shocks=shocks)

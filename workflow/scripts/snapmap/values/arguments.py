@@ -100,8 +100,8 @@ def _remedy(key, known, elsewhere):
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Ask for the known name that a misspelt one is most like; "" if it is like none."""
-    words = {word.lower(): word for word in known}
-    near = get_close_matches(name.lower(), words, 4, 0.75)  # as many cosines as a beam has
+    words, name = {word.lower(): word for word in known}, name.lower()
+    near = get_close_matches(name, words, 4, 0.75)  # as many cosines as a beam has
     word = min(near, key=lambda word: sorted(word) != sorted(name), default="")
     return f"; did you mean {words[word]}?" if word else ""
 
