@@ -5,7 +5,7 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import fields
 
 import numpy as np
 
@@ -169,7 +169,9 @@ class Device:
             except ValueError as error:
                 raise ValueError(f"{key}: {error}") from None
         require(np.greater(values.get("mass", 1.0), 0), "mass: a beam alone is no value of an axis")
-        device = _from_values({**_values_of(self), **self.warmed(values)}, np.asarray)
+        device = self
+        if values:
+            device = _from_values({**_values_of(self), **self.warmed(values)}, np.asarray)
         device.beam.require_second_shape()
         return device
 
@@ -226,14 +228,15 @@ def batch(devices: Sequence[Device]) -> Device:
 
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Return whether the beam with other values, each (size,), has a second shape: (size,)."""
-    values = asdict(device.beam) | device.warmed(values)
+    values = _values_of(device) | device.warmed(values)
     beam = assemble(Beam, {key: values[key] for key in BEAM_VALUES})
     return np.broadcast_to(beam.is_bistable, (size,))
 
 
 def _values_of(device):
-    values = asdict(device)
-    return values.pop("beam") | values
+    values = {field.name: getattr(device, field.name) for field in fields(device)}
+    beam = values.pop("beam")
+    return {key: getattr(beam, key) for key in BEAM_VALUES} | values
 
 
 def _from_values(values, convert):
