@@ -25,7 +25,6 @@ class Shaking:
     name: str
     snaps: bool | str
     start: ClassVar[str] = FIRST
-    shocks: ClassVar[Shocks] = HANDOUT_SHOCK
 
     def under(self, pulse: PulseSection | None, gravity: float) -> Self:
         """Make the requirement of a study, whose N does not count."""
@@ -80,6 +79,7 @@ class Shaking:
 class RequiredVibration(Shaking):
     """Random vibration that must, or must not, trip the device; `true` counts as `arrives`."""
 
+    shocks: ClassVar[Shocks] = HANDOUT_SHOCK
     name: Title
     """unique name"""
     snaps: SnapsOrArrives
