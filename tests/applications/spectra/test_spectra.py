@@ -120,10 +120,10 @@ def test_a_spectrum_is_held_against_the_factors_at_which_its_records_snap(
         assert row.margin == row.N_first and (row.N, row.shape) == (1.0, "spectrum")
     assert [row.verdict for row in rows[2:]] == ["met", "failed", "failed", "met"]
     assert [row.outcome for row in rows[2:]] == ["unsnapped"] * 2 + ["snapped"] * 2
-    both = replace(asked[0], direction="both")
-    both = [*both.judged(study, "", [25.0])]
+    both = [*(required := replace(asked[0], direction="both")).judged(study, "", [25.0])]
     assert [(row.direction, row.temperature) for row in both] == [("+z", 20.0), ("-z", 20.0)]
-    assert both[0] == rows[0] and {row.must_snap for row in rows} == {False, "arrives"}
+    assert both[0] == rows[0] and len(required.shocks.pulses) == len(both)
+    assert {row.must_snap for row in rows} == {False, "arrives"}
 
 
 def test_ends_leave_out_what_fails():
