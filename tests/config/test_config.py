@@ -68,8 +68,8 @@ def test_a_beam_alone_has_no_mass_and_what_a_product_says_of_it_is_again_its_con
     section = device_sections(study.device)["device"]
     assert section["mass"] == "none" and not {"spring", "contact", "gap", "stops"} & {*section}
     assert read_device(section) == study.device
-    assert "no mass" in descriptions(study)[0]
-    assert sum("uN on the midpoint" in line for line in doubts(study)) == bool(pushed)
+    assert descriptions(study) == CASES["described"][1:]
+    assert ["uN on the midpoint" in line for line in doubts(study)] == [True] * bool(pushed)
     assert ("damage_boundary" in boundary.application.figures(study)) != bool(pushed)
 
 
@@ -94,6 +94,7 @@ def test_the_study_of_the_handout_is_exact():
     assert np.allclose(f0[1:] / f0[:-1], 300 ** (1 / 40), rtol=1e-13)
     run = Run(horizon=1500.0, until="settled", energy_tolerance=1e-3)
     assert study.run.but(threads=1) == run and study.run.repeats
+    assert descriptions(study) == CASES["described"][:1]
     (cell,) = study.requests["histories"]
     assert cell.shock == {"N": 1000.0, "f0": 1500.0, "C": 0.025} and cell.changes == {}
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
@@ -164,7 +165,7 @@ FAULTY = (
 @pytest.mark.parametrize(("key", "document"), FAULTY)
 def test_a_fault_between_keys_is_one_line_that_names_one(key, document):
     """Faults of single values: test_bad_configs.py."""
-    assert only_fault(document).startswith(f"{key}: ")
+    assert f"{only_fault(document)}: ".startswith(f"{key}: ")
 
 
 def test_a_requirement_without_shape_or_direction_has_those_of_the_study():
@@ -316,18 +317,11 @@ def test_a_shape_stands_above_its_clamps():
     assert (beam.cosine_2, beam.cosine_3) == (0.0625, -0.03125)
 
 
-def test_of_many_maps_twelve_are_drawn_and_one_line_says_so():
-    def left_out(widths, **values):
-        axes = {"thickness": {"from": "1.9 um", "to": "2 um", "points": widths}}
-        axes["C"] = [f"{C} kg/s" for C in (1e-6, 2e-6, 3e-6)]
-        swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
-        study = load_config(changed(**swept, **values))
-        return study.left_out
-
-    assert left_out(4) == left_out(5, maps=[]) == ""
-    assert left_out(5) == (
-        "maps: 12 of 15 are drawn, evenly chosen over thickness, C; name those you want under maps"
-    )
+@pytest.mark.parametrize("case", CASES["figures"], ids=lambda case: str(case["values"]))
+def test_figures_are_over_axes_of_several_values_and_of_many_maps_twelve_are_drawn(case):
+    study = load_config(changed(histories=MISSING, **case["values"]))
+    assert [[*view[:4]] for view in (*study.maps, *study.curves)] == case["figures"]
+    assert study.left_out == case.get("line", "")
 
 
 HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
@@ -362,11 +356,11 @@ def test_a_device_has_a_name_in_any_letters(name):
     assert [*load_config(document).devices()] == [name]
 
 
-@pytest.mark.parametrize(("key", "value"), CASES["far"])
-def test_a_value_far_off_is_told_in_one_line(key, value):
+@pytest.mark.parametrize(("key", "value", "usual"), CASES["far"])
+def test_a_value_far_off_is_told_in_one_line(key, value, usual):
     (line,) = [line for line in doubts(load_config(changed(**{key: value}))) if "usual" in line]
     name = "N" if isinstance(value, list) else key.rpartition("__")[2]
-    assert re.match(rf"{name} = \S+( \S+)? is outside the usual .* is its unit right\?$", line)
+    assert re.match(rf"{name} = \S+( \S+)? is outside the usual {usual}; is its unit .*\?$", line)
 
 
 def test_records_of_requirements_and_shots_are_doubted_once(tmp_path, monkeypatch):

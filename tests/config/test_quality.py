@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import yaml
-from small_studies import MISSING, THREE_COSINES, changed, faults
+from small_studies import MISSING, THREE_COSINES, cases_of, changed, faults
 
 import snapmap
 from snapmap.applications.whole import doubts, load_config
@@ -130,13 +130,6 @@ def test_several_devices_share_one_C():
     assert [line.split(": ")[0] for line in lines] == keys
 
 
-THICK = {"device__beam__span": "60 um", "device__beam__thickness": "4 um"}
-NOT_SHALLOW, UNUSUAL = "rise/span = 0.167", "m/s^2 is outside the usual 0.1 m/s^2 to"
-DAMPED = {"device__quality_factor": MISSING, "sweep__C": ["0 kg/s", "0.025 kg/s"]}
-TRAIN = {"sweep__f0": MISSING, "pulse": {"train": [{"N": 1, "duration": "1 ms"}, {"wait": "1 s"}]}}
-STOPPED = "device: stop_toward: 18 um stops the mass before"
-
-
 BARELY = {"device__beam__rise": "4.8 um", "device__gap": "0 um"}
 SCATTERED = {"tolerances": {"thickness": "0.1 um", "rise": "0.2 um", "N": "3 %", "samples": 512}}
 
@@ -169,28 +162,7 @@ def test_devices_as_made_without_a_second_shape_are_doubted():
     assert line.startswith("device: tolerances.thickness: a sample has the impossible value")
 
 
-@pytest.mark.parametrize(
-    ("values", "told"),
-    [
-        ({"device__beam__span": "800 mm"}, ["span/thickness = 400000"]),
-        ({"device__beam__span": "60 um"}, [NOT_SHALLOW]),
-        (THICK, [NOT_SHALLOW, "span/thickness = 15", "device: hardly bistable: "]),
-        ({"device__beam__depth": "22 mm"}, ["depth/span = 36.7"]),
-        ({"device__beam__depth": "22 nm"}, ["depth/thickness = 0.011"]),
-        ({"sweep__thickness": ["2 um", "0.1 um"]}, ["span/thickness = 6000"]),
-        ({"device__gravity": "9810 m/s^2"}, [f"gravity = 9810 {UNUSUAL}"]),
-        ({"device__gravity": "9.81 mm/s^2"}, [f"gravity = 0.00981 {UNUSUAL}"]),
-        *(({"device__gravity": f"{usual} m/s^2"}, []) for usual in (1.62, 490)),
-        (DAMPED, ["C = 25000"]),
-        ({"sweep__f0": ["0.1 Hz", "3 Hz"]}, ["f0 up to 3 Hz"]),
-        (TRAIN, []),
-        ({"sweep__f0": ["3 Hz", "1500 MHz"]}, []),
-        ({"sweep__f0": ["1500 MHz"]}, ["f0 from 1500000000 Hz"]),
-        ({"device__stop_toward": "5 um"}, ["device: stop_toward: 5 um is within the gap"]),
-        ({"device__stop_toward": "18 um"}, [STOPPED]),
-        ({"device__stop_toward": "19 um"}, []),
-    ],
-)
+@pytest.mark.parametrize(("values", "told"), cases_of(__file__))
 def test_what_is_hardly_meant_is_told_and_nothing_else(values, told):
     lines = [line for line in doubted("", **values) if "guided" not in line]
     assert len(lines) == len(told)

@@ -11,7 +11,8 @@ from varied import varied
 import snapmap
 from snapmap import Study
 from snapmap.config.devices import read_device
-from snapmap.device.device import ALONE, FIXED, VALUES, Beam, Device, batch
+from snapmap.device.device import ALONE, FIXED, KINDS, VALUES, Beam, Device, batch
+from snapmap.device.usual import USUAL
 from snapmap.solver.cells import to_cells
 from snapmap.study.axes import make_grid
 from snapmap.study.provenance import device_sections
@@ -70,7 +71,8 @@ def test_a_device_has_the_stiffness_frequencies_and_mass_of_handbooks():
     assert soft.bistability == pytest.approx(5.0 / math.sqrt(2))
     flat = replace(soft, rise=0.0, residual_stress=-50.0)
     c = 25.0 / beam.buckling_stress  # held, and w^2 (pi/2 L)^2 E = (c - 1) buckling stress
-    assert flat.height == pytest.approx(2.0 * math.sqrt(4 / 3 * (c - 1) / 0.5), rel=1e-7)
+    height = 2.0 * math.sqrt(4 / 3 * (c - 1) / 0.5)
+    assert (flat.height, flat.made_rise) == pytest.approx((height, 1e-8 * height), rel=1e-7)
     bending = 22.373285448 / 600**2 * math.sqrt(EI / (2.33e-3 * 44))
     assert beam.bending_frequency == pytest.approx(bending)
     heavy = DEVICE.own_frequency, replace(DEVICE, mass=1e-3).own_frequency
@@ -105,6 +107,11 @@ def test_the_recipe_of_a_device_is_read_back(of_device, of_beam):
 def test_every_value_of_a_device_is_an_axis_or_fixed():
     values = {*Beam.__dataclass_fields__, *Device.__dataclass_fields__} - {"beam", "free"}
     assert values == {*VALUES, *FIXED} and not FIXED.intersection(VALUES)
+
+
+def test_usual_values_lie_between_those_that_users_know():
+    read = {key: tuple(map(KINDS[key].read, ends)) for key, ends in CASES["usual"].items()}
+    assert read == USUAL
 
 
 THERMAL = {"modulus_slope": -63e-6, "expansion_mismatch": -0.5e-6, "damper_exponent": 0.7}

@@ -6,7 +6,7 @@ from scipy import stats
 from small_studies import cases_of
 from varied import varied
 
-from snapmap.device.samples import CUT, Groups, Plan, Scatters, Tolerances
+from snapmap.device.samples import CUT, Groups, Plan, Samples, Scatters, Tolerances
 from snapmap.values.arguments import Reading
 from snapmap.values.kinds import kind_of
 
@@ -61,11 +61,12 @@ def test_a_standard_deviation_aside_lie_the_values_of_a_law_which_is_written_as_
 def test_a_truncated_law_ends_at_two_deviations_and_counts_are_powers_of_two():
     scatter = kind_of(Scatters).take({"N": {"truncated": "1 %"}})["N"]
     assert scatter.values(1.0, np.array([0.0, 0.5, 1.0])).tolist() == [0.98, 1.0, 1.02]
-    asked = [(1000, None), (5000, None), (5000, 7), (6, 7)]
+    asked = [(1000, None), (2_000_000, None), (5000, 7), (6, 7)]
     made = [Tolerances({}, samples=samples, index_samples=some) for samples, some in asked]
     assert [each.power for each in made] == [512, 1024, 4, 4]
-    assert [made[1].followed(cells) for cells in (1, 1000, 10**5)] == [5000, 1000, 64]
-    assert made[3].followed(10**5) == 6
+    assert [made[1].followed(cells) for cells in (1, 1000, 10**5)] == [10**6, 1000, 64]
+    assert made[3].followed(10**5) == 6 and Tolerances({}) == ({}, (), 1000, None, 1)
+    assert kind_of(Samples).need == "a whole number from 2 to 100000"
 
 
 CASES = cases_of(__file__)

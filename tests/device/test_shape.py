@@ -92,7 +92,7 @@ def one_mode_equilibria(beam):
 
 
 @pytest.mark.equation(17, 23)
-@pytest.mark.parametrize("stress", (-40.0, -5.0, 5.0, 60.0))
+@pytest.mark.parametrize("stress", (-40.0, -5.0, 1.0, 60.0))
 @pytest.mark.parametrize("thickness", [1.4, 2.0, 3.0])
 def test_shapes_at_rest_are_the_roots_of_the_cubic(handout, stress, thickness):
     made = replace(handout.beam, thickness=thickness)

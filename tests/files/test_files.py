@@ -2,6 +2,7 @@
 
 import errno
 import fcntl
+import io
 import os
 import re
 import shutil
@@ -9,15 +10,20 @@ import subprocess
 import sys
 import tomllib
 from fnmatch import fnmatch
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from small_studies import cases_of
 
 import snapmap
+from snapmap.files import text
 from snapmap.files.atomic import fingerprint, hold
+from snapmap.files.counting import count, counting
+from snapmap.files.extras import needing
+from snapmap.files.named import inside
 from snapmap.files.tables import read_rows
-from snapmap.files.text import exact, is_showable, stem_of, table
 from snapmap.solver.options import Cosines
 from snapmap.study.variables import write
 from snapmap.thresholds.summary import write_thresholds
@@ -33,8 +39,8 @@ def test_each_threshold_is_a_row(handout, tmp_path):
     study = snapmap.Study(handout, model=Cosines(modes=3), direction="both", horizon=300.0)
     edges = snapmap.threshold(study, [500.0, 1e3 / 0.7], [25.0], axes={"thickness": [1.9, 2.0]})
     write_thresholds(edges, tmp_path / "thresholds.csv")
-    text = (tmp_path / "thresholds.csv").read_text()
-    head, *lines = (line.split(",") for line in text.splitlines())
+    written = (tmp_path / "thresholds.csv").read_text()
+    head, *lines = (line.split(",") for line in written.splitlines())
     assert head[:2] == ["thickness (um)", "direction"] and head[3:5] == ["f0 (Hz)", "duration (ms)"]
     assert all(cell[:1] not in ("=", "+", "@") for line in lines for cell in line)
     rows = read_rows(tmp_path / "thresholds.csv")
@@ -48,25 +54,72 @@ def test_each_threshold_is_a_row(handout, tmp_path):
         assert row["duration"] in ("2.0", "0.7")
 
 
-NUMBERS = 0.1, np.nextafter(0.1, 1.0), 1 / 3, 1e-15, 1500.0, np.nextafter(1500.0, 2e3), np.inf
+@pytest.mark.parametrize(("value", "shown", "told"), cases_of(__file__)["values"])
+def test_a_value_is_shown_in_a_short_line(value, shown, told):
+    assert (text.show(value), text.describe(value)) == (shown, told)
+
+
+def test_what_is_no_plain_data_is_shown_by_its_type_and_a_path_as_text(tmp_path):
+    values = np.float64(2.5), object(), print, Path("a b"), 10**5000, 3 + 4j
+    words = "2.5", "an object", "a builtin_function_or_method", "'a b'", "a number of thousands of"
+    assert [*map(text.show, values)] == [*words[:-1], f"{words[-1]} digits", "(3+4j)"]
+    assert [text.plain(number) for number in (123456.0, 1e-12, 1.23456)] == [
+        "123500",
+        "1e-12",
+        "1.235",
+    ]
+    assert [*map(text.is_title, ("a" * 60, "a" * 61, "_a", 3))] == [True, False, False, False]
+    assert [*text.leaves({"a": {"b": 1}, "c": None})] == [("a.b", "1"), ("c", "None")]
+
+
+def test_files_of_a_study_lie_in_its_folder():
+    assert inside("a/b.csv") == "a/b.csv"
+    for wrong in ("/b.csv", "../b.csv", "a/../../b.csv", "a\nb.csv"):
+        with pytest.raises(ValueError, match=r"lies outside the study's folder|do not print"):
+            inside(wrong)
+
+
+def test_a_missing_package_is_named_with_its_extra():
+    line = r"^a cube needs dask: pip install 'snapmap\[workflow\]'$"
+    with pytest.raises(ImportError, match=line), needing("a cube"):
+        raise ModuleNotFoundError(name="dask.array")
+    for other in (None, "numpy"):
+        with pytest.raises(ModuleNotFoundError), needing("a cube"):
+            raise ModuleNotFoundError(name=other)
+
+
+def test_cells_are_counted_for_who_waits():
+    shown = io.StringIO()
+    with counting("sweep", file=shown, disable=False, delay=0, mininterval=0, miniters=1):
+        count(3)
+        count(4)
+    count(5)
+    assert re.findall(r"sweep: (\d+) cells", shown.getvalue()) == ["0", "3", "7"]
+    silent = io.StringIO()
+    with counting("sweep", file=silent):
+        count(3)
+    assert not silent.getvalue()
+
+
+NUMBERS = 0.1, np.nextafter(0.1, 1.0), 9.3, 1e-15, 1500.0, np.nextafter(1500.0, 2e3), np.inf
 WORDS = [("spring" * 20, "a"), ("a", "spring" * 20), ("spring" * 20, "b")]
-WORDS += [("été.csv",), ("a/b.csv",), ("a:b.csv",), ("a_b.csv",)]
+WORDS += [("x" * 78,), ("x" * 79,), ("été.csv",), ("a/b.csv",), ("a:b.csv",), ("a_b.csv",)]
 
 
 def test_names_of_files_are_short_and_plain_and_differ_as_their_words_do():
-    words = [exact(number) for number in NUMBERS]
+    words = [text.exact(number) for number in NUMBERS]
     assert [float(word.replace("hard", "inf")) for word in words] == [*NUMBERS]
-    assert (words[0], words[4]) == ("0.1", "1500")
-    names = [stem_of("N", word) for word in words] + [stem_of(*each) for each in WORDS]
+    assert [*words[:3], words[4]] == ["0.1", "0.10000000000000002", "9.3", "1500"]
+    names = [text.stem_of("N", word) for word in words] + [text.stem_of(*each) for each in WORDS]
     assert len({*names}) == len(names)
     assert all(re.fullmatch(r"[\w.+-]{1,80}", name, re.ASCII) for name in names)
-    assert table(["a", "b"], [["1"], []]) == "| a | b |\n|:--|--:|\n| 1 | – |\n| – | – |\n"
-    assert stem_of("map", "thickness1.9", "versed sine") == "map_thickness1.9_versed_sine"
+    assert text.table(["a", "b"], [["1"], []]) == "| a | b |\n|:--|--:|\n| 1 | – |\n| – | – |\n"
+    assert text.stem_of("map", "thickness1.9", "versed sine") == "map_thickness1.9_versed_sine"
 
 
 @pytest.mark.parametrize("sign", [*'<>&|"`*[]\\', "\n", "\x1b", "\u202e"])
 def test_signs_with_a_meaning_to_a_page_a_table_or_a_terminal_are_not_shown(sign):
-    assert is_showable("a (b) {c} é_-.,:;/%+'") and not is_showable(f"a{sign}b")
+    assert text.is_showable("a (b) {c} é_-.,:;/%+'") and not text.is_showable(f"a{sign}b")
 
 
 @pytest.fixture(scope="module")
@@ -176,6 +229,6 @@ def test_a_fingerprint_is_that_of_the_seal_or_of_the_content(cube, tmp_path):
     assert fingerprint(tmp_path / "a.nc") == fingerprint(tmp_path / "b.nc")
     write(cube.isel(C=[0]), tmp_path / "b.nc")
     texts = "", "1,2\n", "1,3\n", "1,2\n" * 100
-    for number, text in enumerate(texts):
-        (tmp_path / f"{number}.csv").write_text(text)
+    for number, held in enumerate(texts):
+        (tmp_path / f"{number}.csv").write_text(held)
     assert len({fingerprint(path) for path in tmp_path.iterdir()}) == 2 + len(texts)

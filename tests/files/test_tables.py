@@ -1,32 +1,34 @@
-"""CSV tables: separators, words, bounds, and lines that name the fault."""
+"""CSV tables: separators, units, words, bounds, and lines that name the fault."""
 
+import numpy as np
+import pandas as pd
 import pytest
+from small_studies import cases_of
 
 from snapmap.files.named import read_named
-from snapmap.files.tables import ANSWERS, SHOCKS, read_table
+from snapmap.files.tables import ANSWERS, SHOCKS, read_table, write_table
 
-WORDS = {"tripped": ANSWERS}
-
-
-@pytest.mark.parametrize("separator", [",", ";", "\t"])
-def test_columns_are_separated_as_the_header_is_and_words_have_any_case(separator):
-    text = "N (g),f0,tripped\n900,2000,Yes\n\n800,1000,NO\n".replace(",", separator)
-    table = read_table(text.encode(), SHOCKS, WORDS, above=0.0)
-    assert table["N"].tolist() == [900.0, 800.0] and table["tripped"].tolist() == [True, False]
+CASES = cases_of(__file__)
+WORDS = {"tripped": ANSWERS, "name": None}
 
 
-@pytest.mark.parametrize(
-    ("text", "fault"),
-    [
-        ("N,tripped\n900,yes\n0,no\n", "line 3, column N: '0' is not a number above 0"),
-        ("N,tripped\n900,maybe\n", "line 2, column tripped: 'maybe' is not yes or no"),
-        ("N,N (g)\n900,900\n", "line 1: column N comes twice"),
-        ("N,tripped\n" + "1,yes\n" * 4, "has more than 3 rows"),
-    ],
-)
-def test_a_fault_of_a_table_is_a_line_with_its_place(text, fault):
+@pytest.mark.parametrize(("text", "how", "columns"), CASES["read"])
+def test_columns_are_separated_as_the_header_is_and_count_in_its_units(text, how, columns):
+    read = read_table(text.encode(), SHOCKS, **{"words": WORDS} | how)
+    np.testing.assert_equal({key: column.tolist() for key, column in read.items()}, columns)
+
+
+@pytest.mark.parametrize(("text", "how", "fault"), CASES["wrong"])
+def test_a_fault_of_a_table_is_a_line_with_its_place(text, how, fault):
     with pytest.raises(ValueError, match=rf"\A{fault}"):
-        read_table(text.encode(), SHOCKS, WORDS, most=3, above=0.0)
+        read_table(text.encode(), SHOCKS, **{"words": WORDS} | how)
+
+
+def test_a_table_is_written_with_units_in_as_many_digits_as_errors_allow(tmp_path):
+    made = {"N": [1 / 3, np.nan], "f0": [1 / 3, 2.0], "to": ["+z", "a+"], "is_met": [True, False]}
+    write_table(pd.DataFrame(made), tmp_path / "made.csv", {"f0": "Hz"}, exact=["f0"])
+    lines = "N,f0 (Hz),to,is_met", "0.333333,0.3333333333333333,along +z,True", ",2.0,a+,False"
+    assert (tmp_path / "made.csv").read_text().split("\n") == [*lines, ""]
 
 
 def test_a_file_is_read_up_to_its_largest_size(tmp_path):

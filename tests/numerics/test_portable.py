@@ -1,39 +1,16 @@
 """Only `portable` computes powers, exponentials and sines on the way to results."""
 
 import ast
+from itertools import chain
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 
 from snapmap.numerics.portable import quarters
 
-# Rounded by the processor or the C library: numpy's are vectors, and BLAS and SciPy are compiled.
-FUNCTIONS = {
-    *("exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "power", "float_power"),
-    *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "arcsin", "arccos", "arctan"),
-    *("arctan2", "sinh", "cosh", "tanh", "sinc", "hypot", "cbrt", "geomspace", "logspace"),
-    *("dot", "inner", "matmul", "vdot", "tensordot", "einsum", "linalg", "fft", "polyfit"),
-}
-ALLOWED = {
-    "only shown": (
-        *("figures/", "applications/boundary/figure.py", "applications/calibration/figure.py"),
-        *("applications/page/figure.py:_required", "thresholds/summary.py:to_digits"),
-    ),
-    "rounded to few digits": (
-        *("applications/calibration/", "applications/tolerances/dataset.py"),
-        *("beam/stress.py:break_probability", "device/samples.py"),
-        "numerics/statistics.py:share_bounds",
-    ),
-    "only counts, compares or predicts": (
-        *("applications/requirements/verdict.py:Verdict", "thresholds/probe.py:amplitudes"),
-        *("thresholds/population.py:thresholds_of_samples", "thresholds/population.py:_expected"),
-        "thresholds/population.py:_scan_samples",
-    ),
-    "said on the page about running to differ between libraries": (
-        *("applications/spectra/", "applications/statics/statics.py:_tilted"),
-    ),
-    "Python's, of constants": ("numerics/portable.py",),
-}
+CASES = cases_of(__file__)
+FUNCTIONS, ALLOWED = {*CASES["functions"]}, [*chain(*CASES["allowed"].values())]
 
 
 def is_exact(node):
@@ -72,28 +49,22 @@ def found(tree):
 
 def test_no_result_hangs_on_the_rounding_of_a_library(root):
     package = root / "workflow" / "scripts" / "snapmap"
-    allowed, used = sum(ALLOWED.values(), ()), set()
+    used = set()
     for path in sorted(package.rglob("*.py")):
         for where, name in found(ast.parse(path.read_text(encoding="utf-8"))):
             place = f"{path.relative_to(package).as_posix()}:{where}"
-            reasons = {each for each in allowed if place.startswith(each)}
+            reasons = {each for each in ALLOWED if place.startswith(each)}
             assert reasons, f"{place} uses {name}: write it with numerics/portable.py"
             used |= reasons
-    assert used == {*allowed}
+    assert used == {*ALLOWED}
 
 
-@pytest.mark.parametrize(
-    "code",
-    [
-        *("np.exp(x)", "math.sin(x)", "x @ y", "x**0.5", "2.0**x", "x**3", "x **= 2"),
-        *("from math import log", "from scipy.special import erf", "np.linalg.inv(x)"),
-    ],
-)
+@pytest.mark.parametrize("code", CASES["rounds"])
 def test_what_rounds_by_the_machine_is_found(code):
     assert [*found(ast.parse(code))]
 
 
-@pytest.mark.parametrize("code", ["x**2", "2.0**-8", "math.sqrt(x)", "np.sqrt(x)", "10**6"])
+@pytest.mark.parametrize("code", CASES["exact"])
 def test_what_is_exact_is_not(code):
     assert not [*found(ast.parse(code))]
 

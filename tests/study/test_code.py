@@ -1,11 +1,12 @@
 """The hash of the code is of two parts: what makes numbers, and what draws."""
 
 import re
+from hashlib import sha256
 
 import pytest
 
 from snapmap.study import provenance
-from snapmap.study.provenance import DRAWS, NUMBERS, code_hash
+from snapmap.study.provenance import DRAWS, NUMBERS, code_hash, config_hash
 
 
 def test_every_rule_names_the_code_that_it_runs(workflow_text):
@@ -30,6 +31,9 @@ def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
         (tmp_path / name).write_text(text)
         made.append(code_hash(tmp_path))
     assert len(set(made)) == 3 and made[2] == made[3]
+    plain = made[0], config_hash({"b": 1, "a": 2})
+    texts = b"a.py\01", b'{"a": 2, "b": 1}'
+    assert plain == tuple(sha256(text).hexdigest()[:12] for text in texts)
     (tmp_path / "0").mkdir()
     (tmp_path / "inner" / "b.js").rename(tmp_path / "0" / "b.js")
     assert code_hash(tmp_path) == made[3], "where a file lies is no part of it"
@@ -45,6 +49,7 @@ def test_other_packages_are_other_code(changed, monkeypatch):
         return [[*hash_with(__file__).values()] for hash_with in made]
 
     before, found = hashes(), provenance.version
+    assert all(re.fullmatch("[0-9a-f]{12}", digits) for (digits,) in before)
     if changed == "python":
         monkeypatch.setattr("platform.python_version", lambda: "3.99.0")
     monkeypatch.setattr(

@@ -13,7 +13,8 @@ from snapmap.device.device import batch
 from snapmap.study import axes
 from snapmap.study.provenance import device_sections
 from snapmap.study.shock import SURVIVES, Demand, Requirement, Shock
-from snapmap.study.variables import dress, flags, write
+from snapmap.study.study import SNAPS
+from snapmap.study.variables import dress, flags, variables, write
 
 DROP = {"drop": {"height": 1e6, "duration": 500.0}}
 MOST = {"spring": np.arange(1.0, 1001), "depth": np.arange(1.0, 102)}
@@ -22,7 +23,9 @@ REFUSED = {
         {"a": device, "b": replace(device, gravity=1e-5)}, {}
     ),
     "spring: needs a mass; leave": lambda device: axes.make_grid(alone(device), {"spring": [5.0]}),
-    r"axes of the device: 1\.01e\+05 points": lambda device: axes.make_grid(device, MOST),
+    r"axes of .*: 1\.01e\+05 points, more than 100000;": lambda device: axes.make_grid(
+        device, MOST
+    ),
     "device = b, depth = -1 um: depth: ": lambda device: axes.make_grid(
         {"b": device}, {"depth": [20.0, -1.0]}
     ),
@@ -119,6 +122,9 @@ def test_products_have_attributes_and_codes_have_words(tmp_path):
     assert snapmap.words(codes).values.tolist() == ["snapped", "never"]
     with pytest.raises(ValueError, match="is not a variable with flag_meanings, such as"):
         snapmap.words(codes.drop_attrs())
+    must = variables("window")["must_snap"]["flag_meanings"].split()
+    needs = {False: "must_not", True: "must_stay", "any": "may", "arrives": "must_arrive"}
+    assert {snaps: must[code] for snaps, code in SNAPS.items()} == needs
     made = xr.Dataset({"t_snap": ("C", [1.0], {"units": "ms"})}, {"C": [1.0]})
     dressed = dress("cube", made, {"model": {"unit_of_C": "uN"}}, extra="1")
     assert dressed.t_snap.attrs["units"] == "ms" and "arrival" in dressed.t_snap.long_name

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
-from small_results import make_cells
+from small_results import VARIABLES, make_cells
 
 from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.options import TOLERANCE
+from snapmap.solver.outcome import ABSENT, OUTCOMES
 from snapmap.solver.settings import Run
 from snapmap.sweeps.cube import SHOWN_CELLS, label_distance, summary, thin, with_summary
 from snapmap.sweeps.slabs import follow_rows
@@ -65,12 +66,22 @@ def test_all_but_one_of_ten_thousand_are_a_share_rounded_down():
     assert summary(with_summary(cells)).startswith(line)
 
 
+@pytest.mark.parametrize(("row", "words"), [("1234", OUTCOMES[:ABSENT]), ("1236", OUTCOMES)])
+def test_only_a_cube_that_lacks_a_device_has_a_code_for_that(row, words):
+    cells = make_cells([row])
+    cells.outcome.attrs = dict(VARIABLES["outcome"])
+    assert with_summary(cells).outcome.flag_meanings.split() == [*words]
+
+
 def test_a_distance_of_labels_is_that_of_the_model():
     models = {"name": "auto"}, {"name": "auto", "tolerance": 0.01}, {"name": "cosines"}, {"laws": 1}
     assert [*map(label_distance, models)] == [2 * TOLERANCE, 0.02, 0.01, None]
 
 
+SHAPES = {(3, 300, 200): (3, 100, 100), (2, 100, 200): (2, 100, 200), (1, 40001): (1, 20001)}
+
+
 def test_a_large_cube_is_thinned_along_its_longest_axes():
-    for shape, left in {(3, 300, 200): (3, 100, 100), (2, 4, 5): (2, 4, 5)}.items():
-        cube = xr.Dataset({"outcome": (("C", "f0", "N"), np.zeros(shape))})
+    for shape, left in SHAPES.items():
+        cube = xr.Dataset({"outcome": (("C", "f0", "N")[: len(shape)], np.zeros(shape))})
         assert thin(cube).outcome.shape == left and np.prod(left) <= SHOWN_CELLS

@@ -69,11 +69,15 @@ def test_slabs_of_several_codes_are_refused(study, slabs):
         collect_slabs(paths, axes, {}, code="another")
 
 
-def test_holes_and_slabs_given_twice_are_refused(slabs):
+def test_holes_slabs_given_twice_and_too_many_cells_are_refused(slabs, study, monkeypatch):
+    with pytest.raises(ValueError, match=r"^N: 1e\+08 cells with f0, C and .* than 1e\+08; write"):
+        snapmap.sweep(study, np.arange(1e4), np.arange(1.0, 10_002), 25)
     paths, axes = slabs
     with pytest.raises(ValueError, match=r"\A.*C = 25\.0 .*\n.*C = 50\.0 .*\Z"):
         collect_slabs([paths[0]], axes, {})
     assert collect_slabs(paths[:2], axes | {"C": axes["C"][:2]}, {}).outcome.size == 12
+    monkeypatch.setattr("snapmap.sweeps.cube.BLOCK_CELLS", 6)
+    assert collect_slabs(paths, axes, {}).outcome.chunks == ((1, 1, 1), (2,), (3,))
     with pytest.raises(ValueError, match=r"24 cells .* 18"):
         collect_slabs([*paths, paths[-1]], axes, {})
 

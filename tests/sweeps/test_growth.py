@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -165,6 +166,13 @@ def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, mo
     assert len(paths) == 1 or share < 1
     in_one = snapmap.sweep(thick, **{key: thick.axes[key] for key in ("N", "f0", "C")})
     assert_same_cube(collect_slabs(paths, thick.axes, {}), in_one)
+
+
+def test_a_slab_has_the_same_name_however_its_study_is_written(handout):
+    slab = {"C": (25.0,), "f0": (1e3,), "N": (900.0,)}
+    models = snapmap.Cosines(modes=3, cosines=9), snapmap.Cosines(cosines=9, modes=3)
+    name, other = (slab_name(Study(handout, model), slab) for model in models)
+    assert name == other and re.fullmatch("[0-9a-f]{12}_[0-9a-f]{12}", name)
 
 
 OLD = ((1,), (2, 3), (4, 5), (6, 7), (8,))

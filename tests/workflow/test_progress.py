@@ -3,7 +3,6 @@
 import io
 import logging
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from snapmap.files.counting import count, counting
 from snapmap.workflow.job_log import count_path
 from snapmap.workflow.progress import STOPPED, Progress
 
@@ -58,19 +56,6 @@ def test_a_terminal_has_one_line_with_cells_and_jobs_at_work(tmp_path, monkeypat
 def test_a_log_has_each_stage_once(monkeypatch):
     said = said_on(io.StringIO(), monkeypatch)
     assert said == "Simulate the cells\nFind the thresholds\n"
-
-
-def test_cells_are_counted_for_who_waits():
-    shown = io.StringIO()
-    with counting("sweep", file=shown, disable=False, delay=0, mininterval=0, miniters=1):
-        count(3)
-        count(4)
-    count(5)
-    assert re.findall(r"sweep: (\d+) cells", shown.getvalue()) == ["0", "3", "7"]
-    silent = io.StringIO()
-    with counting("sweep", file=silent):
-        count(3)
-    assert not silent.getvalue()
 
 
 def test_a_job_that_counts_leaves_no_semaphore_behind():

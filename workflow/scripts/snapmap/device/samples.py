@@ -214,10 +214,10 @@ class Plan:
         from scipy.stats import qmc
 
         draws = len(self.factors)
-        power = max(1, math.ceil(math.log2(samples)))
+        power = math.ceil(math.log2(samples))
         points = qmc.Sobol(2 * draws, seed=seed, bits=32).random_base2(power)[:samples]
-        middle = np.clip(points, 0.5**33, 1 - 0.5**33)
-        return np.moveaxis(middle.reshape(samples, 2, draws), 1, 0)
+        above = np.maximum(points, 0.5**33)  # they are multiples of 0.5**32, from 0
+        return np.moveaxis(above.reshape(samples, 2, draws), 1, 0)
 
     def values(self, points: np.ndarray) -> dict[str, np.ndarray]:
         """Return values by name, (samples,), at cumulative probabilities, (samples, draws).
