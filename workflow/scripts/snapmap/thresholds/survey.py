@@ -85,8 +85,7 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
         other, inner = np.hsplit(below | ~above, [DOUBLINGS.size])
         passed = np.where(other.any(axis=1), other.shape[1] - np.argmax(other[:, ::-1], axis=1), 0)
         eighths = np.logical_and.accumulate(~inner, axis=1).sum(axis=1) / 8
-        near = reach[left] * N_first[left] * (1 - eighths)
-        distances[left] = np.where(passed == 0, near, np.inf)
+        distances[left] = np.where(passed > 0, np.inf, reach[left] * N_first[left] * (1 - eighths))
         reach[left] = np.ldexp(reach[left], passed)
     return distances
 
