@@ -291,3 +291,4 @@ def test_C_is_that_of_the_section_or_the_one_of_the_sweep_or_unknown(
     document["sweep"]["C"] = of_sweep
     asked = load_config(document).requests["calibration"]
     assert asked.C == C and [*asked.files] == ["shots.csv"] and asked.shots.N.tolist()[0] == 900
+    assert asked.unknowns in ({"thickness": [1.7, 2.1]}, {"C": [10.0, 40.0]})

@@ -33,10 +33,8 @@ def row_of(text, name):
 def test_thresholds_and_shares_are_those_of_the_results(handout):
     stops = {"stop_away": 6.0, "stop_toward": 40.0, "contact_at": -5.0}
     device = replace(handout, strength=900.0, **stops)
-    study, shocks = (
-        Study(device=device, model={"name": "cosines", "cosines": 3}),
-        make_shocks("half sine"),
-    )
+    study = Study(device=device, model={"name": "cosines", "cosines": 3})
+    shocks = make_shocks("half sine")
     required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
     moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
