@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from small_studies import cases_of
 
 from snapmap.applications.datasheet.datasheet import datasheet, of_batch
 from snapmap.applications.electrode.closures import CLOSING
@@ -20,6 +21,8 @@ from snapmap.study.provenance import config_hash, device_sections
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 from snapmap.thresholds.slow import departure_rate
+
+CASES = cases_of(__file__)
 
 
 def row_of(text, name):
@@ -95,13 +98,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
         travel = free_travel(handout, *moved[:2])
         moved_so = replace(verdict, **moved._asdict(), travel_over_rise=travel)
         rows.append(judge(moved_so, handout, 0.999))
-    source = {
-        "device": {"mass": "10 mg"},
-        "pulse": {"direction": "both"},
-        "run": {"until": "snap"},
-        "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
-        "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
-    }
+    source = CASES["source"]
     text = datasheet(study, rows, source, required[:1])
     for name, count in (("hit", 8), ("bump", 4)):
         worst, *others = sorted(
@@ -122,15 +119,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
     assert "anchors that turn" in text and lines[-1].count("|") == 4
     assert row_of(text, "SHA-256") == [f"{config_hash(source)}..."]
     assert config_hash(source) != config_hash(source | {"title": "another"})
-    for name, value in {
-        "pulse: direction": "both",
-        "run: until": "snap",
-        "sweep: C": "25 uN*us/um, 200 uN*us/um",
-        "sweep: N": "from 500, points 3",
-        "devices as made: thickness": "0.05 um, standard deviation",
-        "devices as made: N": "uniform 2 %",
-        "devices as made: samples": "32",
-    }.items():
+    for name, value in CASES["rows"].items():
         assert row_of(text, name) == [value]
     assert datasheet(study, rows, source, required[:1]) == text
 

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from scipy.integrate import solve_ivp
 from small_results import make_verdict
-from small_studies import TINY
+from small_studies import TINY, cases_of
 from varied import varied
 
 import snapmap
@@ -21,6 +21,7 @@ from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 from snapmap.values.faults import Faults
 
+CASES = cases_of(__file__)
 MODEL = {"name": "cosines", "modes": 3}
 CELLS = [(1000.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
 HORIZON = 150.0
@@ -155,21 +156,7 @@ def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
         hold(12.0)
 
 
-UNSEEN, NEVER = {"t_closed_error": np.nan}, {"t_closed": np.nan, "t_closed_error": np.nan}
-
-
-@pytest.mark.parametrize(
-    ("required", "changes", "verdict"),
-    [
-        *(({"closes_within": 101.1}, {}, "met"), ({"closes_within": 100.5}, {}, "unclear")),
-        *(({"closes_within": 98.9}, {}, "failed"), ({"stays_closed": 48.0}, {}, "met")),
-        *(({"stays_closed": 53.0}, {}, "failed"), ({}, {"t_closed": np.nan}, "met")),
-        ({"stays_closed": 53.0}, {"openings": 0}, "unclear"),
-        ({"closes_within": 98.9, "stays_closed": 48.0}, {}, "failed"),
-        ({"closes_within": 500.0}, NEVER, "failed"),
-        ({"closes_within": 500.0}, UNSEEN, "unclear"),
-    ],
-)
+@pytest.mark.parametrize(("required", "changes", "verdict"), CASES["judged"])
 def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, changes, verdict):
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes

@@ -8,7 +8,7 @@ import xarray as xr
 import yaml
 from scipy import stats
 from small_results import drawn, legend_words, make_verdict
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of, changed
 from varied import varied
 
 import snapmap
@@ -174,11 +174,8 @@ def test_all_fire_holds_for_other_devices_of_its_batch(handout):
 
 def document(**more):
     """A small study with one required shock."""
-    text = yaml.safe_load(THREE_COSINES)
-    text["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
-    text["run"] = {"horizon": "0.3 ms"}
-    shock = {"name": "crash", "N": 990, "f0": "1500 Hz", "snaps": "arrives", "share": "80 %"}
-    text["requirements"] = [shock | more]
+    text = changed(yaml.safe_load(THREE_COSINES), **cases_of(__file__))
+    text["requirements"][0] |= more
     return text
 
 

@@ -193,6 +193,7 @@ class BeamSection(Beam):
 class DeviceSection(Device):
     """The beam, the mass on its spring, and what they meet."""
 
+    elsewhere = dict.fromkeys(BEAM_VALUES, "; write it under beam")
     beam: BeamSection
     """dimensions and material of the beam"""
     _: KW_ONLY

@@ -27,7 +27,7 @@ from ..values.records import record
 from .devices import DeviceSection
 from .kinds import PATH
 from .points import read_points
-from .shocks import TIMED, PulseSection
+from .shocks import PULSE, TIMED, PulseSection
 
 AXES = [*(name for name in COORDINATES if name not in ("C", "f0", "N")), "C", "f0", "duration", "N"]
 """Names of axes of figures."""
@@ -68,6 +68,7 @@ class LinesSection:
 class SweepSection(AxesOfDevice):
     """The axes: a list, or a range with both ends, of each."""
 
+    elsewhere = dict.fromkeys(PULSE, "; write it under pulse")
     N: Amplitudes | None = None
     """peaks of the shock over gravity"""
     f0: Frequencies | None = None

@@ -104,7 +104,7 @@ def stopped(device: Device) -> str:
     travel = device.stop_toward
     barrier = find_barrier(device.beam, shapes_of(device.beam))
     needed = float(device.gap - barrier.midpoint) if barrier.energy > 0 else 0.0
-    if travel <= device.gap:
+    if travel <= device.gap < np.inf:  # a beam alone is infinitely far from any mass
         return f"stop_toward: {travel:.4g} um is within the gap; the mass never meets the beam"
     if travel < needed:
         return (

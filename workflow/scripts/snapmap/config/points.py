@@ -39,8 +39,7 @@ def read_points(path: str | Path, sha256: str = "", N_of_g: float = 1.0) -> tupl
             raise ValueError("line 1: write one of the columns f0 (Hz) and duration (ms)")
         names = table.get("name", [""] * table["N"].size)
         if wrong := [name for name in names if name and not is_title(name)]:
-            need = f"a name of {NAME}, at most 60"
-            raise ValueError(f"column name: {show(wrong[0])} is not {need}")
+            raise ValueError(f"column name: {show(wrong[0])} is not a name of {NAME}, at most 60")
     f0 = table["f0"] if "f0" in table else 1e6 / table["duration"]
     snapped = table.get("snapped", [None] * f0.size)
     return tuple(map(Point, names, table["N"].tolist(), f0.tolist(), snapped))

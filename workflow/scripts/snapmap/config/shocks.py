@@ -38,6 +38,7 @@ Push = Literal[(*DIRECTIONS, "both")]
 class PulseSection(Form):
     """The shock: a shape, or a file, train or drop."""
 
+    elsewhere = dict.fromkeys(("N", "f0", "duration", "C"), "; write it under sweep")
     _: KW_ONLY
     shape: SeveralShapes | None = None
     """how the acceleration goes over time; several are an axis; a versed sine if left out"""

@@ -105,12 +105,11 @@ class Config(Study):
 
     def files(self) -> dict[str, str]:
         """Give the SHA-256 of each file that sections of the core name, as it was read, by path."""
-        recorded = self.shocks.files
         shapes = {path: sha256_of(path, *PROFILE) for _, path in self.measured}
         points = dict([self.own_points[:2]] if self.own_points else [])
         laws = self.model.laws
         of_laws = {laws.file: laws.sha256} if laws and laws.file else {}
-        return recorded | shapes | points | of_laws
+        return self.shocks.files | shapes | points | of_laws
 
 
 def unit_of_C(source: Mapping) -> str:

@@ -53,17 +53,16 @@ def read_places(
 
     x, y: axes of the view; ValueError, one line, for axes or values that cannot be drawn
     """
-    drawn = {}
-    for key, name in zip(("x", "y"), (x, y), strict=True):
-        drawn[key] = axis_behind(name)
-        if drawn[key] not in axes:
+    drawn = {axis_behind(name): name for name in (x, y)}
+    for axis, name in drawn.items():
+        if axis not in axes:
             raise ValueError(f"{name} is not an axis of this sweep; write {' or '.join(axes)}")
-    if len({*drawn.values()}) < len(drawn):
+    if len(drawn) == 1:
         raise ValueError(f"{x} and {y} are the same axis; write two axes")
     places = {}
     for key, value in (at or {}).items():
         name, axis = f".at.{key}", axis_behind(key)
-        if axis not in axes or axis in drawn.values() or axis in places:
+        if axis not in axes or axis in drawn or axis in places:
             raise ValueError(f"{name}: is not a free axis of this sweep")
         if axis in NAMES:
             if value not in axes[axis]:
@@ -137,8 +136,7 @@ def choose_curves(
         over.remove("f0")
     drawn = [(x, _lines(grid, several, x)) for x in over]
     # Names on a further axis get lines of their own.
-    lines = {y for _, y in drawn}
-    drawn += [(over[0], key) for key in _names(grid) if key not in lines]
+    drawn += [(over[0], key) for key in _names(grid) if key not in {y for _, y in drawn}]
     dampings = [{"C": place} for place in evenly(grid.axes["C"].size, MOST_DAMPINGS)]
     views = [
         _view(grid, nominal, "thresholds", x, y, at)

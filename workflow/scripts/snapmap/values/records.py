@@ -136,7 +136,8 @@ def record(made: type[Made]) -> type[Made]:
     """Make a frozen dataclass whose values are converted by their kinds.
 
     Its method `beside(written)` may give lines, by key, on values that lack or exclude each other;
-    written: those that are there, by key. Its `__post_init__` may raise ValueError, `key: ...`.
+    written: those that are there, by key. Its `__post_init__` may raise ValueError, `key: ...`. Its
+    `elsewhere` may say, by key, where a key belongs that it does not have.
     """
     made.__repr__ = _write
     words = made.__doc__  # not the signature that a dataclass has where python -OO has no words
@@ -222,7 +223,8 @@ class RecordKind(Kind):
     def values(self, given, reading, faults=None, unknown="") -> dict[str, Any]:
         """Convert the values of the record by name; raises Faults."""
         known = beside(self.made, given) | (faults or {})
-        return convert(self.arguments, given, reading, known, unknown or self.unknown)
+        elsewhere = getattr(self.made, "elsewhere", None)
+        return convert(self.arguments, given, reading, known, unknown or self.unknown, elsewhere)
 
     def convert(self, value: object, reading: Reading) -> Any:
         """Make the record of a mapping; raises Faults, lines that begin with `.key: `."""

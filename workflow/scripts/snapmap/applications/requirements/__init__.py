@@ -76,10 +76,9 @@ class Requirements(Application):
 
     def counts(self, study: Config) -> dict[str, int]:
         """Verdicts, one for each corner of each requirement, under each of its pulses."""
-        degrees, pushed = max(1, len(study.temperatures)), [m.pushed for m in self.marks(study)]
-        corners = len(study.devices()) * study.axes["C"].size * degrees
-        others = len(study.requests["requirements"]) - len(pushed)
-        return {"verdicts": corners * (sum(map(len, pushed)) + others)}
+        corners = len(study.devices()) * study.axes["C"].size * max(1, len(study.temperatures))
+        pushed = [len(required.shocks.pulses) for required in study.requests["requirements"]]
+        return {"verdicts": corners * sum(pushed)}
 
     def outputs(self, study: Config) -> Files:
         """The table of verdicts."""

@@ -22,7 +22,10 @@ from .verdict import Verdict, at_corner
 
 
 class Required(Protocol):
-    """A requirement: a shock, a vibration, or a spectrum; start: as in `Run`."""
+    """A requirement: a shock, a vibration, or a spectrum; start: as in `Run`.
+
+    It must be met under each pulse of `shocks`.
+    """
 
     @property
     def name(self) -> str: ...

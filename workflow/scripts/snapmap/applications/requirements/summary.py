@@ -21,15 +21,13 @@ def with_shares(
 
     shocks: those of the requirements; made: dataset of `tolerances_of` for them
     """
-    found, by_name = [], {shock.name: shock for shock in shocks}
-    for verdict in verdicts:
-        if shock := by_name.get(verdict.requirement):
-            verdict = _with_share(verdict, shock, made)
-        found.append(verdict)
-    return found
+    by_name = {shock.name: shock for shock in shocks}
+    return [_with_share(verdict, by_name.get(verdict.requirement), made) for verdict in verdicts]
 
 
 def _with_share(verdict, shock, made):
+    if not shock:
+        return verdict
     at = {"requirement": shock.name, "C": verdict.C}
     at |= {"device": verdict.device} if verdict.device else {}
     here = made[["share_meeting", "share_meeting_bound"]].sel(at)

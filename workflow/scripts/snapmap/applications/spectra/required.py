@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from ...config.shocks import PulseSection, Push
-from ...pulse.shocks import make_shocks
+from ...pulse.shocks import HANDOUT_SHOCK, Shocks, make_shocks
 from ...solver.settings import FIRST
 from ...study.shock import SnapsOrArrives
 from ...study.study import ARRIVES, Study
@@ -79,6 +79,7 @@ class Shaking:
 class RequiredVibration(Shaking):
     """Random vibration that must, or must not, trip the device; `true` counts as `arrives`."""
 
+    shocks: ClassVar[Shocks] = HANDOUT_SHOCK
     name: Title
     """unique name"""
     snaps: SnapsOrArrives
@@ -102,8 +103,7 @@ class RequiredVibration(Shaking):
         from .vibration import RECORDS, SEED, vibration_of  # late, as it takes long to import
 
         reach = 1 - self.probability if self.snaps else self.probability
-        drawn = {"records": RECORDS, "seed": SEED, "reach": reach}
-        drawn["duration"] = 1e-6 * self.duration
+        drawn = {"records": RECORDS, "seed": SEED, "reach": reach, "duration": 1e-6 * self.duration}
         rates = vibration_of(study, {"C": C}, Spectrum(self.psd), drawn)
         place = {"device": device, "temperature": study.device.temperature, "shape": "random"}
         place |= {"direction": "both", "N": rates.rms.item(), "duration": 1e-3 * self.duration}
@@ -135,6 +135,11 @@ class RequiredSpectrum(Shaking):
         """Make the requirement of a study, whose direction holds unless it has its own."""
         return replace(self, direction=self.direction or (pulse and pulse.direction) or "+z")
 
+    @property
+    def shocks(self) -> Shocks:
+        """The directions."""
+        return make_shocks(direction=self.direction)
+
     def judged(self, study: Study, device: str, C: Sequence[float]) -> Iterator[Verdict]:
         """Judge by the factor of the spectrum from which its records trip.
 
@@ -144,16 +149,15 @@ class RequiredSpectrum(Shaking):
         from .trips import FACTORS, RECORDS, SEED, ends, trips_of
 
         must, drawn = self.snaps, {"records": RECORDS, "seed": SEED}
-        for shocks in make_shocks(direction=self.direction).each():
+        for shocks in self.shocks.each():
             try:
                 tested = trips_of(study.under(shocks), {"C": C}, self.srs, drawn)
             except ValueError as error:  # a spectrum that no record meets is seen only here
                 raise ValueError(f"{self.name}: {error}") from None
-            place = {"device": device, "temperature": study.device.temperature}
+            place = {"device": device, "temperature": study.device.temperature, "duration": np.nan}
             place |= {"shape": "spectrum", "direction": shocks.direction, "N": 1.0}
             for damping, snaps in zip(C, tested.snaps.values, strict=True):
                 low, high = ends(snaps)[2:] if must else ends(snaps)[:2]
                 snapped = (np.all if must else np.any)(snaps[:, FACTORS.index(1.0)] == 1)
                 level = ((high + low) / 2, (high - low) / 2) if high < np.inf else (np.nan, np.nan)
-                corner = place | {"duration": np.nan, "C": damping}
-                yield self._verdict(corner, snapped, (low, high, *level))
+                yield self._verdict(place | {"C": damping}, snapped, (low, high, *level))
