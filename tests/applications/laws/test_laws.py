@@ -73,34 +73,27 @@ def test_laws_hold_up_to_and_from_the_frequencies_at_which_they_are_off(handout,
     monkeypatch.setattr("snapmap.applications.laws.laws._snap_scales", scales)
     axes = {"C": [25.0], "f0": [50.0, 100.0, 200.0, 300.0, 1e4, 2e4, 4e4]}
     short = 0.5e-6 * np.array(axes["f0"]) / (9.81e-6 * 0.5)
-    N_first = [900, 908.9, 910, 900.5, *(short[4:] * [1.02, 1.0099, 1.0])]
-    found = {"N_first": N_first, "N_slow": [900.0] * 7}
-    found = {key: (("C", "f0"), [row]) for key, row in found.items()}
-    found |= {"N_static": 890.0, "dwell": ("C", [150.0]), "velocity_change": ("C", [0.5])}
-    found = xr.Dataset(found | {"area": 0.5, "gravity": 9.81e-6}, axes)
-    found.C.attrs["units"] = "uN us um-1"
+    N_first = np.append([900, 908.9, 910, 900.5], short[4:] * [1.02, 1.0099, 1.0])
+    found = {"N_first": (("C", "f0"), [N_first]), "N_static": 890.0, "area": 0.5}
+    found |= {"dwell": ("C", [150.0]), "velocity_change": ("C", [0.5]), "gravity": 9.81e-6}
+    found["N_slow"] = ("C", "f0"), np.full((1, 7), 900.0)
+    found = xr.Dataset(found, axes | {"C": ("C", [25.0], {"units": "uN us um-1"})})
     study = Study(handout, "3 cosines")
     laws = laws_of(study, study.set_out(axes), found)
     assert (laws.slow_to.item(), laws.short_from.item()) == (100.0, 2e4)
     np.testing.assert_allclose(laws.N_short[0], short)
     assert laws.dwell.attrs["missing_as"] == ""
-    unknown = laws.assign(
-        N_static=np.nan, velocity_change=("C", [np.nan]), saddle_scale=laws.saddle_scale * np.nan
-    )
+    none = laws[["N_static", "velocity_change", "saddle_scale"]] * np.nan
     words = "no law of slow shocks holds; no law of short shocks holds"
-    assert summary(unknown).endswith(f": {words}")
-    laws.dwell.attrs["missing_as"] = "the beam is free"
-    words = summary(laws.assign(dwell=laws.dwell * np.nan).assign_attrs())
-    assert "how long is not known" in words
+    assert summary(laws.assign(none)).endswith(f": {words}")
+    laws["dwell"] = ("C", [np.nan], {"missing_as": "it is free"})
+    assert "N = 890, how long is not known: it is free; a short one" in summary(laws)
 
 
-@pytest.mark.parametrize(
-    ("asked", "of_user"), [(True, None), (False, "laws.py"), (True, "laws.py")]
-)
-def test_three_laws_stand_beside_no_law_of_the_user(asked, of_user):
-    study = SimpleNamespace(model=SimpleNamespace(laws=of_user), start="second")
-    assert _obstacle(study, None) == (
-        "a law of the user's own acts" if of_user else "runs begin in the second shape"
-    )
-    with pytest.raises(ValueError, match="leave one of") if asked and of_user else nullcontext():
+@pytest.mark.parametrize(("asked", "own"), [(True, None), (False, "laws.py"), (True, "laws.py")])
+def test_three_laws_stand_beside_no_law_of_the_user(asked, own):
+    study = SimpleNamespace(model=SimpleNamespace(laws=own), start="second")
+    obstacle = "a law of the user's own acts" if own else "runs begin in the second shape"
+    assert _obstacle(study, None) == obstacle
+    with pytest.raises(ValueError, match="leave one of") if asked and own else nullcontext():
         assert application.request(asked, study, None) is asked
