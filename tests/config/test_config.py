@@ -353,7 +353,8 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
 def test_a_device_has_a_name_in_any_letters(name):
     document = changed()
     document["devices"] = {name: document.pop("device")}
-    assert [*load_config(document).devices()] == [name]
+    study = load_config(document)
+    assert [*study.devices()] == [*study.written] == [name]
 
 
 @pytest.mark.parametrize(("key", "value", "usual"), CASES["far"])
