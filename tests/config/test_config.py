@@ -269,12 +269,7 @@ def write_shape(length=600.0, rise=10.0, points=50, tilt=0.0):
 
 
 MEASURED = {"device__beam__shape": {"file": "shape.csv"}}
-NEARLY = {"length": (541, 659), "rise": (9.01, 10.99), "points": (20,)}
-FAR_OFF = {
-    "length": {540: ".span: 600 um, where shape.csv has 540 um", 660: ".span: 600 um, where"},
-    "rise": {8.99: ".rise: 10 um, where shape.csv has 8.99 um", 11.01: ".rise: 10 um, where"},
-    "points": {19: ".shape.file: shape.csv: has 19 points; write 20 or more"},
-}
+NEARLY, FAR_OFF = CASES["nearly"], CASES["far_off"]
 
 
 @pytest.mark.parametrize("key", NEARLY)
