@@ -193,9 +193,8 @@ def test_a_misspelt_argument_is_named_with_the_right(right_calls):
         for key in sorted(parameters_of(name).keys() - {"N", "C", "f0", "x", "y", "ax"}):
             at = rng.randrange(1, len(key.rstrip("2345")))  # cosine_ is like all four of them
             wrong = key[:at] + key[at + 1 :]
-            with pytest.raises(
-                TypeError, match=rf"(?m)^{wrong}: is not an argument; did you mean {key}"
-            ):
+            line = rf"(?m)^{wrong}: is not an argument; did you mean {key}"
+            with pytest.raises(TypeError, match=line):
                 FUNCTIONS[name](**right, **{wrong: 1})
             turned = key[: at - 1] + key[at] + key[at - 1] + key[at + 1 :]
             if turned != key and len(key) > 4:

@@ -160,15 +160,10 @@ def test_a_likelihood_is_a_product_of_normal_probabilities_and_its_information_f
 
 @pytest.mark.usefixtures("paper")
 def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
-    columns = {"f0": [1e3, 1e3, 2e3], "N": [900.0, 1100.0, 1000.0], "tripped": [0, 1, 0]}
-    columns |= {"threshold": [1e3, 1e3, 1.2e3], "threshold_low": [950.0, 950.0, 1100.0]}
-    columns |= {"threshold_high": [1050.0, 1050.0, 1300.0]}
-    columns |= {"direction": ["+z"] * 3, "shape": ["half sine"] * 3}
-    variables = {key: ("shot", values) for key, values in columns.items()}
+    variables = {key: ("shot", values) for key, values in CASES["drawn"].items()}
+    fitted = {"estimate": 2.0, "low": 1.9, "high": 2.1}
+    variables |= {key: ("unknown", [value]) for key, value in fitted.items()}
     variables["spread"] = "bound", [0.05]
-    variables |= {
-        key: ("unknown", [N]) for key, N in (("estimate", 2), ("low", 1.9), ("high", 2.1))
-    }
     data = xr.Dataset(variables, {"bound": ["estimate"], "unknown": ["thickness"]})
     data.estimate.attrs["comment"] = "thickness: um"
     assert figure.calibration_text(data) == "thickness 2 µm (1.9 to 2.1), spread 5 %"
@@ -291,3 +286,4 @@ def test_C_is_that_of_the_section_or_the_one_of_the_sweep_or_unknown(
     document["sweep"]["C"] = of_sweep
     asked = load_config(document).requests["calibration"]
     assert asked.C == C and [*asked.files] == ["shots.csv"] and asked.shots.N.tolist()[0] == 900
+    assert asked.unknowns in ({"thickness": [1.7, 2.1]}, {"C": [10.0, 40.0]})

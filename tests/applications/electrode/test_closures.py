@@ -8,13 +8,13 @@ import pytest
 import yaml
 from scipy.integrate import solve_ivp
 from small_results import make_verdict
-from small_studies import TINY, cases_of
+from small_studies import THREE_COSINES, TINY, cases_of, changed, faults
 from varied import varied
 
 import snapmap
 from snapmap.applications.electrode import closures
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
-from snapmap.applications.electrode.required import judge_closing
+from snapmap.applications.electrode.required import DEMANDS, judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.whole import load_config
 from snapmap.study.study import Study
@@ -164,6 +164,27 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     judged = judge_closing(met, **required)
     assert judged.verdict == verdict and len(judged.more) == len(closing) + len(required)
     assert judge_closing(failed, **required).verdict == "failed"
+    within, least = (required.get(key, np.nan) for key in ("closes_within", "stays_closed"))
+    margins = [judged.more.get(key, np.nan) for key in ("closes_margin", "stays_margin")]
+    assert margins == pytest.approx([within / closing["t_closed"], 50.0 / least], nan_ok=True)
+    if np.isnan(closing["t_closed"]) and required:
+        unclear = judge_closing(replace(met, verdict="unclear"), **required)
+        assert unclear.verdict == "unclear"
+
+
+@pytest.mark.parametrize(("required", "place", "line"), CASES["asked"])
+def test_a_closing_needs_an_electrode_and_a_shock_that_trips(required, place, line):
+    """It asks for an arrival, as it says itself how long the beam stays."""
+    shock = {"name": "a", "N": 1500, "f0": "1 kHz", "snaps": True, "shape": "half sine"} | required
+    more = {"requirements": [shock], "device__contact_at": place}
+    document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"], **more)
+    if line:
+        (fault,) = faults(document)
+        assert fault == line
+    else:
+        (asked,) = load_config(document).requests["requirements"]
+        assert asked.snaps == ("any" if shock["snaps"] == "any" else "arrives")
+        assert asked.demands == {key: 1000.0 for key in required if key in DEMANDS}
 
 
 def test_a_sheet_has_the_closures_of_each_requirement_that_closes(study):

@@ -11,7 +11,7 @@ from varied import varied
 import snapmap
 from snapmap.applications.histories.history import NEAR
 from snapmap.applications.page.figure import _worst
-from snapmap.applications.requirements import application, shocks_of
+from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.whole import load_config
@@ -107,13 +107,9 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     assert (damped.end, damped.verdict) == ("stays", "met")
 
 
-def study_of(name):
-    """The study of three cosines with what a case changes."""
-    return changed(yaml.safe_load(THREE_COSINES), **cases_of(__file__)[name])
-
-
 def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
-    study, path = load_config(study_of("returning")), tmp_path / "requirements.csv"
+    document = changed(yaml.safe_load(THREE_COSINES), **cases_of(__file__))
+    study, path = load_config(document), tmp_path / "requirements.csv"
     with pytest.warns(UserWarning, match="the mass travels") as warned:
         application.run(study, path)
     (line,) = [str(warning.message) for warning in warned if "travels" in str(warning.message)]
@@ -127,8 +123,3 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
     least = min(row.share_staying for row in rows if row.requirement == "crash")
     assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
     assert least == 0.0 and _worst("no such", rows) == ""
-
-
-def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
-    snaps = [shock.snaps for shock in shocks_of(load_config(study_of("closing")))]
-    assert snaps == ["arrives", True]

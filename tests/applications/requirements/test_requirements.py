@@ -8,7 +8,7 @@ import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn, make_verdict
-from small_studies import cases_of
+from small_studies import THREE_COSINES, cases_of, changed, faults
 
 import snapmap
 from snapmap.applications.requirements import application
@@ -102,6 +102,26 @@ def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must,
         assert judged.strength_margin == pytest.approx(1500 / stress)
         assert judged.break_probability == (stress > 1500)
     assert np.isnan(judged.strength_margin) == (not strength)
+
+
+@pytest.mark.parametrize(("changes", "required", "expected"), CASES["sections"])
+def test_a_requirement_has_the_pulse_of_its_study_but_for_what_it_writes(
+    changes, required, expected
+):
+    """Or it is refused; a drop gives the N itself."""
+    document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"] | changes)
+    required = required if isinstance(required, list) else [required]
+    document["requirements"] = [{"name": "a", "snaps": False} | one for one in required]
+    if isinstance(expected, str):
+        (line,) = faults(document)
+        assert line.startswith(expected)
+    else:
+        (shock,) = load_config(document).requests["requirements"]
+        if isinstance(expected, dict):
+            assert shock.shocks.pulse.section == expected
+            return
+        assert [[one.pulse.name, one.direction] for one in shock.shocks.each()] == expected
+        assert (required[0].get("N") or shock.shocks.pulse.peak / 9.81e-6) == shock.N
 
 
 def test_the_worst_corner_is_in_front():

@@ -120,10 +120,8 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
     """Standard deviations and indices from the slopes, as docs/limits.md lists them."""
-    scatters, shock = (
-        dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %"),
-        ([1500], [0.025]),
-    )
+    scatters = dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %")
+    shock = [1500], [0.025]
     how = {"samples": 1024, "threshold_tolerance": 1e-4}
     made = snapmap.tolerance(Study(handout, threads=2, **CHEAP), scatters, *shock, **how)
     linear, percent = [], np.array([0.99, 1.01])
