@@ -294,15 +294,10 @@ def test_figures_are_over_axes_of_several_values_and_of_many_maps_twelve_are_dra
     assert study.left_out == case.get("line", "")
 
 
-HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
-HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>", "a]b", "a>b"
-HARMLESS = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
+HOSTILE, HARMLESS = CASES["hostile"], CASES["harmless"]
 
 
-PATHS = "marks", "pulse__file", "device__beam__shape__file", "model__laws", "calibration__shots"
-
-
-@pytest.mark.parametrize("key", PATHS)
+@pytest.mark.parametrize("key", CASES["paths"])
 def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, monkeypatch, key):
     monkeypatch.chdir(tmp_path)
     section, _, last = key.rpartition("__")
