@@ -168,12 +168,8 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     shock = {"direction": "-z", "must_survive": 0.999, "temperature": -40.0}
     shock |= {"end": "ends differ", "share_staying": 0.25}
     keys = "requirement", "margin", "margin_error", "verdict", "must_snap", "break_probability"
-    rows = [
-        ("drop", 0.8, 0.01, "met", True, 0.0),
-        ("back", np.nan, np.nan, "met", False, 1e-4),
-        ("shelf", 0.9, 0.02, "failed", False, 0.01),
-    ]
-    verdicts = [make_verdict(**shock, **dict(zip(keys, row, strict=True))) for row in rows]
+    rows = [dict(zip(keys, row, strict=True)) for row in CASES["margins"]]
+    verdicts = [make_verdict(**shock, **row) for row in rows]
     drop, _, shelf = verdicts
     assert replace(drop, duration=6e5).shock == "half sine -z, 600 s"
     ax = drawn(draw_margins, verdicts)

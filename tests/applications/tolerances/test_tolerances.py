@@ -302,13 +302,11 @@ def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scatt
     assert (name, share.item(), ends.values.tolist()) == ("drop, unbroken", 0.75, [0.65, 0.8])
     two = scattered.expand_dims(C=[25.0, 40.0], axis=-1).assign(must_snap=scattered.must_snap)
     ax = drawn(figure.draw_yield, two)
-    places = [[y - 0.175, y + 0.175] for y in (0, 1)]
-    rows = np.transpose([line.get_ydata() for line in ax.lines[:2]])
-    assert rows == pytest.approx(np.array(places)) and ax.get_ylim() == (1.5, -0.5)
-    share = scattered["yield"].item()
+    left, right = (line.get_ydata() for line in ax.lines[:2])
+    assert left == pytest.approx([-0.175, 0.825]) and right == pytest.approx([0.175, 1.175])
     low, high = scattered.yield_bound.values
     bar = artists(ax, LineCollection)[0].get_segments()[1][:, 0]
-    assert bar == pytest.approx(share + max(share - low, 0) * np.array([-1, 0]) + [0, high - share])
+    assert bar == pytest.approx([low, high]) and ax.get_ylim() == (1.5, -0.5)
     assert {text.get_text() for text in ax.texts} == {"30.9 % (22.3 to 40.3 %)"}
     assert ax.get_xlim() == pytest.approx((low - 0.05 * (1 - low), 1 + 0.05 * (1 - low)))
 
