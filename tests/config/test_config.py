@@ -244,12 +244,7 @@ def write_shape(length=600.0, rise=10.0, points=50, tilt=0.0):
 
 
 MEASURED = {"device__beam__shape": {"file": "shape.csv"}}
-NEARLY = {"length": (541, 659), "rise": (9.01, 10.99), "points": (20,)}
-FAR_OFF = {
-    "length": {540: ".span: 600 um, where shape.csv has 540 um", 660: ".span: 600 um, where"},
-    "rise": {8.99: ".rise: 10 um, where shape.csv has 8.99 um", 11.01: ".rise: 10 um, where"},
-    "points": {19: ".shape.file: shape.csv: has 19 points; write 20 or more"},
-}
+NEARLY, FAR_OFF = CASES["nearly"], CASES["far_off"]
 
 
 @pytest.mark.parametrize("key", NEARLY)
@@ -299,15 +294,10 @@ def test_figures_are_over_axes_of_several_values_and_of_many_maps_twelve_are_dra
     assert study.left_out == case.get("line", "")
 
 
-HOSTILE = "<img src=x onerror=alert(1)>", "[a](javascript:1)", "a|b", "a`b", "a&lt;", "a\x1b[31mb"
-HOSTILE += "a\nb", "a\u202eb", "a\x9bb", 'a"b', "a\\b", "a*b*", "../<b>", "a]b", "a>b"
-HARMLESS = "messung 3 (µm), größe=2.csv", "形.csv", "sub folder/.a_b-c+d~e#f@2x;'g'.csv"
+HOSTILE, HARMLESS = CASES["hostile"], CASES["harmless"]
 
 
-PATHS = "marks", "pulse__file", "device__beam__shape__file", "model__laws", "calibration__shots"
-
-
-@pytest.mark.parametrize("key", PATHS)
+@pytest.mark.parametrize("key", CASES["paths"])
 def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, monkeypatch, key):
     monkeypatch.chdir(tmp_path)
     section, _, last = key.rpartition("__")
@@ -328,7 +318,8 @@ def test_a_path_has_no_sign_that_tables_or_the_terminal_would_obey(tmp_path, mon
 def test_a_device_has_a_name_in_any_letters(name):
     document = changed()
     document["devices"] = {name: document.pop("device")}
-    assert [*load_config(document).devices()] == [name]
+    study = load_config(document)
+    assert [*study.devices()] == [*study.written] == [name]
 
 
 @pytest.mark.parametrize(("key", "value", "usual"), CASES["far"])

@@ -194,11 +194,7 @@ def test_figures_of_a_pushed_beam_count_its_force():
     pushed = {"config": json.dumps(CONFIG | {"device": device})}
     two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
     assert captions.multiples(two) == "multiples of each force"
-    for gravity, unit in (
-        ("9.81e-06", "$g$"),
-        ("1e-06", "1\u00a0m/s²"),
-        ("1.62e-06", "1.62\u00a0m/s²"),
-    ):
+    for gravity, unit in CASES["gravity"].items():
         shaken = json.dumps({"device": {"beam": {}, "gravity": f"{gravity} um/us^2"}})
         assert captions.multiples({"config": shaken}) == f"multiples of {unit}"
     results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)

@@ -41,7 +41,7 @@ def test_devices_that_decide_are_the_first_that_do():
 def test_no_share_reads_as_all_or_none_that_is_not():
     words = percents(1.0), percents(0.0), percents(0.56), percents(0.999)
     assert words == ("100.0 %", "0.0 %", "56.0 %", "99.9 %")
-    assert percents(0.9996) == "99.96 %" and percents(0.0004) == "0.04 %"
+    assert percents(0.9996) == "99.96 %" and percents(0.0007) == "0.07 %"
     assert percents(0.99999, np.nan, 1.0) == "99.999 to 100.0 %" and percents(np.nan) == "not known"
 
 
