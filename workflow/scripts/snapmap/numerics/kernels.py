@@ -76,6 +76,12 @@ def sine(turns: float) -> float:
 
 INLINED = "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper"
 """Options of a function that is compiled into its callers only."""
+OF_KERNELS = {"error_model": "numpy"} | dict.fromkeys(INLINED, True)
+inlined: Callable[[Callable], Callable] = njit(**OF_KERNELS)
+"""Compile a function into each of its callers; only so its loops over lanes are vectorised."""
+called: Callable[[Callable], Callable] = njit(**OF_KERNELS | {"forceinline": False})
+"""Compile a function once for the kernels that call it. As with `inlined`, Python cannot: the
+wrapper for that would take half of the time to compile."""
 
 
 def compiled(function: Callable) -> Callable:
@@ -91,24 +97,16 @@ def compiled(function: Callable) -> Callable:
     cache_folder = chosen_by_user or AppDirs("snapmap", False).user_cache_dir
     sources = _hash(Path(function.__code__.co_filename).parent)
     config.CACHE_DIR = folder = str(Path(cache_folder, f"kernels_{sources}"))
-    # Unless these are named, numba hands down those of an inlined caller.
-    options = dict.fromkeys(INLINED, False)
     try:
-        kernel = njit(nogil=True, cache=True, error_model="numpy", **options)(function)
+        # Unless these are named, numba hands down those of an inlined caller.
+        options = OF_KERNELS | dict.fromkeys(INLINED, False)
+        kernel = njit(nogil=True, cache=True, **options)(function)
     finally:
         config.CACHE_DIR = chosen_by_user
     # numba's own file would be of one clone: its folder is named by the path of the source.
     kept = kernel._cache
     kept._cache_file = _CacheFile(folder, kept._impl.filename_base, sources)
     return kernel
-
-
-def inlined(function: Callable) -> Callable:
-    """Compile a function into each of its callers; only so its loops over lanes are vectorised.
-
-    Python cannot call it: the wrapper for that would take half of the time to compile.
-    """
-    return njit(error_model="numpy", **dict.fromkeys(INLINED, True))(function)
 
 
 @cache

@@ -49,10 +49,6 @@ class Probe(NamedTuple):
         """Tell whether rows snap at N, both (rows, n)."""
         return np.isfinite(self(N))
 
-    def at(self, N: np.ndarray) -> np.ndarray:
-        """Give t_snap, us, at an N of each row, both (rows,)."""
-        return self(N[:, np.newaxis])[:, 0]
-
     def observe(self, N: np.ndarray) -> Approach:
         """Tell how near cells come to a snap at N, (rows, n)."""
         known, (t_snap, lowest) = np.isfinite(N), np.full((2, *N.shape), np.nan)
@@ -195,8 +191,7 @@ def walk(
     rows: numbers of rows, as `label` takes them
     stop: the place to end at, returned where no label is true; a few places beyond are tried, too
     """
-    place = np.array(np.broadcast_to(start, rows.shape))
-    stop = np.broadcast_to(stop, rows.shape)
+    place, stop = (np.array(np.broadcast_to(end, rows.shape)) for end in (start, stop))
     left = np.flatnonzero(place < stop)
     most = 1
     while left.size:

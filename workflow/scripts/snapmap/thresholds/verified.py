@@ -108,7 +108,7 @@ def _verify(search, expected):
         first[single.row] = single.high
         holds = abs(first - N) <= max(WITHIN, tolerance) * N
         N_first[which] = N = np.where(holds, first, np.nan)
-        t_snap[which] = probe.at(N)
+        t_snap[which] = probe(N[:, np.newaxis])[:, 0]
     top = np.inf if search.highest is None else search.highest
     return {
         "status": np.full(rows.f0.size, FOUND, np.int8),

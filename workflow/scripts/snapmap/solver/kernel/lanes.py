@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...numerics.kernels import compiled, inlined, sine, widen_vectors
+from ...numerics.kernels import called, compiled, inlined, sine, widen_vectors
 from . import rows as R
 from .access import numbers, vectors
 from .laws import CONTACT, FORCE, LaneLaws, begin_laws, drives
@@ -291,7 +291,7 @@ def proven_well(X: Rows, l: int, parts: Parts, margin: float) -> int:
     return 0
 
 
-@compiled
+@called
 def change_step(
     work: np.ndarray,
     shape: Shape,
@@ -347,20 +347,22 @@ def change_step(
 
 
 @inlined
-def take_back(work: np.ndarray, modes: int, l: int, begun: np.ndarray, state: PulseState) -> None:
+def take_back(work: np.ndarray, l: int, begun: np.ndarray, state: PulseState) -> None:
     """Take lane l back to the begin of the last block, but for its snap, which stays observed.
 
     begun: rows of the work array from STATE to before U, as the block began
     """
     X = numbers(work)
     w, w_before, count = X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l]
-    work[R.STATE * LANES + l : (R.VECTORS + R.U * modes) * LANES : LANES] = begun[l::LANES]
+    # Copied one by one: to compile an assignment of a slice takes numba seconds.
+    for place in range(l, begun.size, LANES):
+        work[R.STATE * LANES + place] = begun[place]
     X[R.W, l], X[R.W_BEFORE, l], X[R.COUNT, l] = w, w_before, count
     X[R.DY_BEFORE, l] = X[R.DY, l]
     state.steps[l] -= BLOCK
 
 
-@compiled
+@called
 def leave_out(work: np.ndarray, shape: Shape, l: int, state: PulseState, pulses: Pulses) -> None:
     """Let lane l jump over quiet time, after a block within its pulse."""
     X, V = numbers(work), vectors(work, len(shape))
@@ -403,7 +405,8 @@ def follow_all(
         if is_shocked or was_shocked:
             set_out(work, shocks, state, task.pulses)
         was_shocked = is_shocked
-        begun[:] = lively
+        for place in range(begun.size):
+            begun[place] = lively[place]
         advance(work, shape, laws, shocks, 0, BLOCK)
         for l in range(LANES):
             cell = cell_in[l]
@@ -423,7 +426,7 @@ def follow_all(
                 energy = energies(X, V, len(shape), l)[0]
                 is_short = not (is_late and energy < CALM_ENERGY * X[R.BARRIER, l])
             if is_short and not was_short:
-                take_back(work, len(shape), l, begun, state)
+                take_back(work, l, begun, state)
                 change_step(work, shape, laws, l, task.dt_excited[cell], cell, state, task)
                 X[R.SHORT, l] = 1.0
             elif was_short and not is_short:

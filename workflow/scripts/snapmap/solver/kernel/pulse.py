@@ -6,7 +6,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from ...numerics import pieces as curve
-from ...numerics.kernels import compiled, fma, sine, widen_vectors
+from ...numerics.kernels import called, compiled, fma, sine, widen_vectors
 from . import rows as R
 from .access import numbers
 from .rows import LANES
@@ -82,7 +82,7 @@ def set_out(work: np.ndarray, shocks: np.ndarray, state: PulseState, pulses: Pul
             sample_lane(work, shocks, l, state, pulses)
 
 
-@compiled
+@called
 def sample_lane(
     work: np.ndarray, shocks: np.ndarray, l: int, state: PulseState, pulses: Pulses
 ) -> None:

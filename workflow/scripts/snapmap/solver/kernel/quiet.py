@@ -13,7 +13,7 @@ stops only take from L.
 import numpy as np
 
 from ...numerics import pieces as curve
-from ...numerics.kernels import compiled, inlined
+from ...numerics.kernels import called, inlined
 from . import rows as R
 from .access import numbers, vectors
 from .pulse import BLOCK, Pulses, PulseState
@@ -63,7 +63,7 @@ def share_left(X: Rows, V: Rows, l: int, drag: float, steps: int) -> float:
     return 2 * c / power
 
 
-@compiled
+@called
 def jump(
     work: np.ndarray, shape: Shape, l: int, blocks: int, state: PulseState, H: float, drag: float
 ) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numba.extending import overload
 
-from ...numerics.kernels import INLINED, compiled, fma, inlined, widen_vectors
+from ...numerics.kernels import OF_KERNELS, called, compiled, fma, inlined, widen_vectors
 from . import rows as R
 from .access import numbers, vectors
 from .laws import LaneLaws, damp, dissipate, hold_by_law, touch_by_law
@@ -90,7 +90,7 @@ def over_modes(loop: Callable, times: int) -> Callable:
     def all_modes(X, V, shape, l, sums):
         raise NotImplementedError("is only called by kernels")
 
-    @overload(all_modes, jit_options={"error_model": "numpy"} | dict.fromkeys(INLINED, True))
+    @overload(all_modes, jit_options=OF_KERNELS)
     def choose(X, V, shape, l, sums):
         chosen = loop if shape.count <= FEW else parts
         return lambda X, V, shape, l, sums: chosen(X, V, len(shape), l, 0, len(shape), sums)
@@ -247,7 +247,7 @@ def press(X: Rows, V: Rows, shape: Shape, l: int, pull: float) -> None:
     X[R.SWEPT, l] = fma(before + after, before + after, X[R.SWEPT, l])
 
 
-@compiled
+@called
 def has_stops(work: np.ndarray) -> bool:
     """Return whether the mass of any lane has a stop; empty lanes have zeros there."""
     X, any_lane = numbers(work), False
@@ -257,7 +257,7 @@ def has_stops(work: np.ndarray) -> bool:
     return any_lane
 
 
-@compiled
+@called
 def crossed(work: np.ndarray) -> bool:
     """Return whether the mass of any lane is beyond a stop."""
     X, any_lane = numbers(work), False
@@ -266,7 +266,7 @@ def crossed(work: np.ndarray) -> bool:
     return any_lane
 
 
-@compiled
+@called
 def meet_stops(work: np.ndarray) -> None:
     """Reflect every mass that is beyond a stop and moves on.
 
@@ -320,7 +320,7 @@ def hold(X: Rows, l: int) -> None:
     X[R.COMPLIANCE, l] -= X[R.HELD, l] / 2
 
 
-@compiled
+@called
 def let_go(work: np.ndarray) -> None:
     """Free every mass that the net force of this step pulls off its stop, and set its P anew."""
     X = numbers(work)
