@@ -8,6 +8,7 @@ from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 from scipy.optimize import root
 from small_results import drawn
+from small_studies import cases_of
 from varied import alone, varied
 
 import snapmap
@@ -76,10 +77,7 @@ def test_the_energy_is_the_work_of_the_force(path, handout):
 
 PUSHED = {"damping": 4e-3, "free": 1.0, "imperfection": 0.05}
 """With tilt: of a perfect guided beam under a force nothing wakes the second mode but time."""
-SLOW = [
-    *({"spring": 2.0, "contact": np.inf}, {"spring": 20.0}, {"mass": 0.6}),
-    *({"gap": 1.5, "residual_stress": 20.0}, {"free": 1.0, "imperfection": 0.05}),
-]
+SLOW = cases_of(__file__)
 
 
 def lowest_slow(device, f0, C, direction="+z", start="first"):
