@@ -55,9 +55,7 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 
 
-ALONE = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
-ALONE["device__mass"] = "none"
-PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
+ALONE, PUSHED = CASES["alone"], CASES["pushed"]
 
 
 @pytest.mark.parametrize("pushed", [{}, PUSHED])
@@ -149,9 +147,7 @@ def test_a_history_has_the_duration_and_damper_that_the_study_alone_has():
         assert line.startswith(f"histories[0].{key}: missing; write ")
 
 
-DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
-BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
-FREE = {"device__beam__free": True, "device__beam__imperfection": "0.01 um"}
+DROP, BLOW, FREE = (CASES[key] for key in ("drop", "blow", "free"))
 
 NAMED = {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}
 FAULTY = (
