@@ -30,7 +30,7 @@ C = 25.0
 SHOWN = {
     "snapmap": ("snapmap", "C5", "o", (-8, 9)),
     "snapmap, to the end": ("runs to the end", "C5", ".", (-8, -15)),
-    "numba loop": ("numba loop", "C1", "s", (5, -9)),
+    "numba loop": ("numba loop", "C1", "s", (-78, 8)),
     "heyoka": ("heyoka", "C0", "D", (-9, -28)),
     "plain loop": ("plain loop", "0.4", "v", (0, 8)),
     "diffrax": ("diffrax", "0.4", "P", (-9, 8)),

@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 import pytest
-from small_studies import TINY
+from small_studies import TINY, cases_of
 
 import snapmap
 from snapmap.solver.outcome import LATCHED, NEVER, RETURNED, SNAPPED
@@ -17,33 +17,7 @@ from snapmap.solver.outcome import LATCHED, NEVER, RETURNED, SNAPPED
 pytestmark = pytest.mark.long
 
 SOLVER = {"matplotlib", "netcdf4", "numba", "numpy", "scipy", "xarray"}
-BROUGHT = {
-    *("certifi", "cftime", "contourpy", "cycler", "fonttools", "kiwisolver", "llvmlite", "pytz"),
-    *("packaging", "pandas", "pillow", "pyparsing", "python-dateutil", "six", "tzdata"),
-}
-"""By those, some of them by old versions."""
-
-SOLVE = """
-import snapmap
-from importlib.metadata import distributions
-
-print(*(package.name.lower().replace("_", "-") for package in distributions()))
-beam = snapmap.Beam(600.0, 10.0, 2.0, 22.0, youngs_modulus=1.5e5, density=2.33e-3)
-device = snapmap.Device(beam, mass=1e4, spring=5.5, contact=40.0, gravity=9.81e-6)
-edge = snapmap.threshold(device, f0=[1500.0], C=[25.0])
-print(edge.N_first.item(), edge.N_error.item())
-"""
-EXAMPLES = """
-import doctest, sys, warnings
-import snapmap
-
-warnings.simplefilter("ignore")
-for name in snapmap.__all__:
-    function = getattr(snapmap, name)
-    finder = doctest.DocTestFinder(recurse=False)
-    (example,) = finder.find(function, name, globs={"snapmap": snapmap})
-    assert not doctest.DocTestRunner().run(example).failed, name
-"""
+CASES = cases_of(__file__)
 
 
 @pytest.fixture(scope="module")
@@ -105,10 +79,10 @@ def test_the_solver_needs_eight_packages(installed, handout):
     """As few as there are; a missing one is a line, and the threshold is that of the checkout."""
     install, run = installed
     install()
-    done = run("python", "-I", "-c", SOLVE)
+    done = run("python", "-I", "-c", CASES["solve"])
     assert done.returncode == 0, done.stderr
     packages, numbers = done.stdout.splitlines()
-    assert SOLVER < {*packages.split()} <= SOLVER | BROUGHT | {"snapmap"}
+    assert SOLVER < {*packages.split()} <= SOLVER | {*CASES["brought"]} | {"snapmap"}
     first, error = map(float, numbers.split())
     edge = snapmap.threshold(handout, f0=[1500.0], C=[25.0])
     assert first == pytest.approx(edge.N_first.item(), abs=error)
@@ -123,7 +97,7 @@ def test_with_all_extras_every_function_and_the_workflow_run(root, installed, tm
     install, run = installed
     install("--extra", "all")
     (tmp_path / "config").symlink_to(root / "config")
-    done = run("python", "-I", "-c", EXAMPLES)
+    done = run("python", "-I", "-c", CASES["examples"])
     assert done.returncode == 0, done.stdout + done.stderr
     (tmp_path / "small.yaml").write_text(TINY)
     for verb in ("check", "run"):

@@ -25,12 +25,7 @@ OPTIONAL = {
     *("damping", "elements", "spacing", "horizon", "until", "repeat", "histories"),
     *("energy_tolerance", "threshold_tolerance"),
 }
-HOSTILE = [
-    *("$(touch PWNED)", "`touch PWNED`", "; touch PWNED #", "600 um; touch PWNED", "../../PWNED"),
-    *("__import__('os').system('touch PWNED')", "?open('PWNED', 'w')", "{open('PWNED', 'w')}"),
-    *("{{ cycler.__init__.__globals__.os.system('touch PWNED') }}", "{workflow}", "%(name)s"),
-    *("\x1b[31m\r\n\t\x07", "\N{RIGHT-TO-LEFT OVERRIDE}mu 006", "a\N{LINE SEPARATOR}b\x85c"),
-]
+HOSTILE = CASES["hostile"]
 NO_VALUE = [
     *(None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300),
     *(datetime.date(2026, 1, 1), *HOSTILE),

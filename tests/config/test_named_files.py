@@ -20,7 +20,8 @@ from snapmap.files.named import hold_to_plan, plan_with
 from snapmap.pulse.pulse import ACCELERATIONS, TIMES, read_pulse
 from snapmap.pulse.shocks import make_shocks
 
-DOCUMENT = yaml.safe_load(THREE_COSINES) | cases_of(__file__)
+CASES = cases_of(__file__)
+DOCUMENT = yaml.safe_load(THREE_COSINES) | CASES["study"]
 
 
 def write_record(path, power):
@@ -90,19 +91,7 @@ def test_a_long_cell_of_a_table_is_quoted_in_part(folder):
         assert line.startswith("marks: points.csv: ") and "x..." in line
 
 
-HEADS = {"N": (1200.0, "N (g)", "1200", "N", "1200"), "f0": (2000.0, "f0", "2000")}
-HEADS["f0"] += "f0 (Hz)", "2000", "f0 (kHz)", "2"
-HEADS["duration"] = 500.0, "duration (us)", "500", "duration (ms)", "0.5", "duration (s)", "5e-4"
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "head", "cell"),
-    [
-        (key, value, *pair)
-        for key, (value, *texts) in HEADS.items()
-        for pair in zip(texts[::2], texts[1::2], strict=True)
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "head", "cell"), CASES["heads"])
 def test_a_table_has_the_unit_of_its_header(folder, key, value, head, cell):
     table = f"{head},{'f0' if key == 'N' else 'N'},tripped\n{cell},900,no\n"
     (folder / "shots.csv").write_text(table)

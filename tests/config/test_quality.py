@@ -24,15 +24,11 @@ from snapmap.solver.options import Reference
 from snapmap.solver.plain_loop import follow
 from snapmap.solver.settings import MOVE
 
+CASES = cases_of(__file__)
 SWEEP = "sweep: {N: [900, 1000], f0: [1500 Hz]}\nrun: {horizon: 100 us}"
 DOCUMENT = yaml.safe_load(THREE_COSINES + SWEEP)
 DOCUMENT["device"] |= {"gap": "5 um", "quality_factor": 94}
 DOCUMENT["device"]["beam"]["quality_factor"] = 60
-BEAMS = (
-    *({}, {"rise": "5 um"}, {"residual_stress": "-40 MPa"}),
-    *({"residual_stress": "20 MPa", "rise": "12 um"}, {"free": True, "imperfection": "0.05 um"}),
-    {"free": True, "imperfection": "2 um", "residual_stress": "-8 MPa"},
-)
 
 
 def symmetric_mode(beam, elements):
@@ -62,7 +58,7 @@ def decay(time, motion):
 
 
 @pytest.mark.equation(28)
-@pytest.mark.parametrize("values", BEAMS, ids=str)
+@pytest.mark.parametrize("values", CASES["beams"], ids=str)
 def test_a_free_decay_measures_the_quality_factor_and_frequency_of_the_beam(values):
     section = changed(DOCUMENT["device"], **{f"beam__{key}": values[key] for key in values})
     device = read_device(section)
@@ -162,7 +158,7 @@ def test_devices_as_made_without_a_second_shape_are_doubted():
     assert line.startswith("device: tolerances.thickness: a sample has the impossible value")
 
 
-@pytest.mark.parametrize(("values", "told"), cases_of(__file__))
+@pytest.mark.parametrize(("values", "told"), CASES["doubts"])
 def test_what_is_hardly_meant_is_told_and_nothing_else(values, told):
     lines = [line for line in doubted("", **values) if "guided" not in line]
     assert len(lines) == len(told)

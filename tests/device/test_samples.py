@@ -10,6 +10,7 @@ from snapmap.device.samples import CUT, Groups, Plan, Samples, Scatters, Toleran
 from snapmap.values.arguments import Reading
 from snapmap.values.kinds import kind_of
 
+CASES = cases_of(__file__)
 SCATTERS = {0.05: 0.05, "5 %": 0.1, ("normal", "5 %"): 0.1, ("uniform", 0.3): 0.3 / np.sqrt(3)}
 SCATTERS |= {("lognormal", "30 %"): 0.6, ("truncated", 0.1): 0.1 * stats.truncnorm.std(-CUT, CUT)}
 
@@ -36,19 +37,7 @@ def test_samples_are_seeded_grow_and_move_together(handout):
     assert abs(stats.spearmanr(many[0, :, 0], many[1, :, 0])[0]) < 0.05
 
 
-EXACT = [
-    (0.1, 2.0, [1.9, 2.0, 2.1]),
-    ("5 %", -2.0, [-2.1, -2.0, -1.9]),
-    ({"uniform": 0.3}, 2.0, 2.0 + 0.3 * (2 * stats.norm.cdf([-1, 0, 1]) - 1)),
-    (
-        {"lognormal": 0.6},
-        2.0,
-        2.0 / np.sqrt(1.09) * np.exp(np.sqrt(np.log(1.09)) * np.arange(-1, 2)),
-    ),
-]
-
-
-@pytest.mark.parametrize(("law", "nominal", "values"), EXACT)
+@pytest.mark.parametrize(("law", "nominal", "values"), CASES["exact"])
 def test_a_standard_deviation_aside_lie_the_values_of_a_law_which_is_written_as_it_is_read(
     law, nominal, values
 ):
@@ -67,9 +56,6 @@ def test_a_truncated_law_ends_at_two_deviations_and_counts_are_powers_of_two():
     assert [made[1].followed(cells) for cells in (1, 1000, 10**5)] == [10**6, 1000, 64]
     assert made[3].followed(10**5) == 6 and Tolerances({}) == ({}, (), 1000, None, 1)
     assert kind_of(Samples).need == "a whole number from 2 to 100000"
-
-
-CASES = cases_of(__file__)
 
 
 @pytest.mark.parametrize(("values", "scatters", "line"), CASES["wrong"])

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
+from matplotlib.figure import Figure
 from PIL import Image
 from small_results import (
     ATTRIBUTES,
@@ -23,44 +24,27 @@ from small_results import (
     make_found,
     visible,
 )
+from small_studies import cases_of
 
 from snapmap.applications.boundary import figure as boundary
 from snapmap.figures import captions, curves, maps, scales, style, thresholds
 
 pytestmark = pytest.mark.usefixtures("sketch")
+CASES = cases_of(__file__)
 
 
-@pytest.mark.parametrize(
-    ("key", "values", "edges"),
-    [
-        ("f0", [100.0, 400.0, 6400.0], [50.0, 200.0, 1600.0, 25600.0]),
-        ("N", [-1.0, 0.0, 3.0], [-1.5, -0.5, 1.5, 4.5]),
-        ("N", [10.0, 40.0, 160.0], [5.0, 20.0, 80.0, 320.0]),
-        *(("N", [1500.0], [1350.0, 1650.0]), ("N", [0.0], [-0.5, 0.5])),
-        ("f0", [1500.0], [1500 / 1.1, 1500 * 1.1]),
-        ("device", ["a", "b"], [-0.5, 0.5, 1.5]),
-    ],
-)
+@pytest.mark.parametrize(("key", "values", "edges"), CASES["edges"])
 def test_edges_lie_midway_and_surround_a_lone_value(key, values, edges):
     assert scales.scale_of(key, np.array(values)).edges == pytest.approx(edges)
 
 
-@pytest.mark.parametrize(
-    ("key", "values", "ends"),
-    [
-        ("N", [2.0, 7.0], (2.0, 7.0)),
-        ("f0", [100.0, 400.0, 6400.0], (100.0, 6400.0)),
-        ("temperature", [-40.0, 20.0, 60.0, 80.0, 100.0, 125.0], (-40.0, 125.0)),
-        *(("N", [1500.0], (1350.0, 1650.0)), ("C", [25.0, 200.0], (-0.5, 1.5))),
-        ("temperature", [-40.0, 21.5, 125.0], (-0.5, 2.5)),
-    ],
-)
+@pytest.mark.parametrize(("key", "values", "ends"), CASES["ends"])
 def test_an_axis_ends_at_its_first_and_last_value_and_few_of_a_device_are_columns(
     key, values, ends
 ):
     ax, scale = style.single_column(height=3).subplots(), scales.cells_of(key, np.array(values))
     scales.set_scale(ax, "x", scale)
-    assert ax.get_xlim() == ends
+    assert [*ax.get_xlim()] == ends
     if scale.is_counted:
         texts = [text.get_text() for text in ax.get_xticklabels()]
         assert texts == [scales.number(value) for value in values]
@@ -77,11 +61,15 @@ def test_space_for_markers_is_a_little_of_an_axis_beyond_its_data():
         assert (0 < ends[0] < 0.04) and (0.96 < ends[1] < 1)
 
 
-def test_numbers_and_directions_have_a_minus_sign_and_names_keep_their_hyphen():
-    assert [scales.number(value) for value in (-0.25, 0.25, "a-b")] == ["−0.25", "0.25", "a-b"]
-    assert scales.number(-12_000.0) == "−12\u2009000"
-    texts = [scales.value_text("direction", "-z"), scales.value_text("shape", "a-b")]
-    assert texts == ["along −z", "a-b"]
+def test_values_numbers_and_axes_are_written_with_their_signs_and_units():
+    """A number has a minus sign; a name keeps its hyphen."""
+    own, ours = Figure().subplots(), style.single_column(height=3).subplots()
+    for value, text in CASES["numbers"]:
+        assert scales.number(value) == text
+    for key, value, text in CASES["values"]:
+        assert scales.value_text(key, value) == text
+    for key, label, short in CASES["labels"]:
+        assert [scales.label_in(ax, key) for ax in (ours, own)] == [label, short]
 
 
 def test_figures_over_durations_are_those_over_frequencies():

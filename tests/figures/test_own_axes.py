@@ -98,7 +98,7 @@ def test_a_history_is_legible_in_a_column_of_any_layout(layout, monkeypatch):
     plt.rcParams.update(settings)
     figure, axes = plt.subplots(3, sharex=True, figsize=(3.4, 4.2), layout=made.get("layout"))
     history = make_history(10, 0, -8, -12, -5, -12, t_snap=22.5)
-    draw_history(axes, history.assign(contact_force=history.z_mass))
+    draw_history(axes, history.assign(contact_force=abs(history.z_mass), gravity=1e-4))
     adjust(figure)
     require_legible(figure, monkeypatch)
     assert axes[0].get_legend() and not figure.legends

@@ -24,6 +24,10 @@ def test_a_fault_of_a_table_is_a_line_with_its_place(text, how, fault):
         read_table(text.encode(), SHOCKS, **{"words": WORDS} | how)
 
 
+def test_answers_of_python_are_those_of_a_table():
+    assert [ANSWERS[word] for word in (0, 1, False, True)] == [False, True] * 2
+
+
 def test_a_table_is_written_with_units_in_as_many_digits_as_errors_allow(tmp_path):
     made = {"N": [1 / 3, np.nan], "f0": [1 / 3, 2.0], "to": ["+z", "a+"], "is_met": [True, False]}
     write_table(pd.DataFrame(made), tmp_path / "made.csv", {"f0": "Hz"}, exact=["f0"])

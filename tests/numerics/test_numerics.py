@@ -5,10 +5,10 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from snapmap.numerics import portable
+from snapmap.numerics import pieces, portable
 from snapmap.numerics.kernels import sine
 from snapmap.numerics.linalg import apply, dot, eigh, multiply, solve
-from snapmap.numerics.portable import geometric, linear
+from snapmap.numerics.portable import evenly, geometric, linear
 
 SIZES = [1, 2, 3, 8, 19]
 
@@ -43,6 +43,35 @@ def test_ranges_have_even_steps_right_to_14_digits_and_finer_ones_the_same_value
     assert linear(600.0, 2400.0, 91).tolist() == list(range(600, 2401, 20))
     assert set(values) < set(geometric(100.0, 3e4, 91))
     assert set(linear(0.1, 0.7, 4)) < set(linear(0.1, 0.7, 13))
+
+
+def test_a_few_places_of_many_are_even_with_both_ends():
+    assert [evenly(20, 4), evenly(5, 9), evenly(1, 3)] == [[0, 6, 13, 19], [*range(5)], [0]]
+
+
+LINE, WAVE = [0.0, 0.2, 0.5, 0.0, 0.0, 0.0], [0.25, 0.325, 0.0, 0.75, 0.5, -0.3]
+
+
+def test_pieces_are_lines_and_waves_with_the_increments_of_their_values():
+    curve, phase = np.array([LINE, WAVE]), 1.5 * np.pi * 0.35
+    wave = 0.325 + 0.5 * (1 - np.cos(phase)) - 0.3 * np.sin(phase)
+    values = pieces.value(curve, 0, 0.1), pieces.value(curve, 1, 0.6)
+    assert values == pytest.approx((0.25, wave), rel=1e-15)
+    assert [pieces.at(curve, 0, 2, x) for x in (0.0, 0.24, 0.25, 1.0)] == [0, 0, 1, 1]
+    assert pieces.at(curve, 0, 1, 0.9) == 0
+    grown = wave - pieces.value(curve, 1, 0.5), 0.05
+    made = [pieces.increment(*piece[2:], s, 0.1) for piece, s in ((WAVE, 0.35), (LINE, 0.2))]
+    assert made == pytest.approx(grown, rel=1e-14)
+
+
+@pytest.mark.parametrize(("slope", "ends"), [(0.0, (1.0, 1.0)), (-1.0, (1.0, 0.0))])
+@pytest.mark.parametrize("step", [0.25, 0.22, 0.3, 0.17])
+def test_samples_of_a_curve_that_jumps_add_up_to_its_integral(slope, ends, step):
+    """Of its line to order two, and exactly at its jumps."""
+    curve, samples = np.array([[0.0, 1.0, slope, 0.0, 0.0, 0.0]]), pieces.lasts(ends[1], step)
+    total = step * sum(pieces.sample(curve, 0, ends, n * step, step) for n in range(samples))
+    assert total == pytest.approx(1 + slope / 2, rel=1e-14, abs=abs(slope) * step * step / 2)
+    assert samples == (np.floor(1 / step + 0.5) + 1 if ends[1] else np.ceil(1 / step))
 
 
 def matrices(size, count=5):

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy import stats
 
-from snapmap.numerics.statistics import devices_to_decide, percents, share_bounds
+from snapmap.numerics.statistics import devices_to_decide, percents, scope, share_bounds
 
 
 @pytest.mark.parametrize(("samples", "confidence"), [(8, 0.95), (100, 0.9), (5000, 0.99)])
@@ -40,5 +41,11 @@ def test_devices_that_decide_are_the_first_that_do():
 def test_no_share_reads_as_all_or_none_that_is_not():
     words = percents(1.0), percents(0.0), percents(0.56), percents(0.999)
     assert words == ("100.0 %", "0.0 %", "56.0 %", "99.9 %")
-    assert percents(0.9996) == "99.96 %" and percents(0.0004) == "0.04 %"
-    assert percents(0.99999, 1.0) == "99.999 to 100.0 %"
+    assert percents(0.9996) == "99.96 %" and percents(0.0007) == "0.07 %"
+    assert percents(0.99999, np.nan, 1.0) == "99.999 to 100.0 %" and percents(np.nan) == "not known"
+
+
+def test_a_yield_tells_where_it_holds_and_what_it_leaves_out():
+    attributes = {"temperatures": "20 degC", "leaves_out": "breaking"}
+    assert scope(xr.DataArray(attrs=attributes)) == ", at 20 degC, without breaking"
+    assert scope(xr.DataArray()) == ""

@@ -11,30 +11,15 @@ import sys
 from dataclasses import is_dataclass
 
 import pytest
+from small_studies import cases_of
 
 import snapmap
 from snapmap.values.records import rows, sentences
 
 SECTION = re.compile(r"^(\w+)\n-{3,}\n", re.M)
 RECORDS = ("Auto", "Beam", "Cosines", "Device", "Elements", "Reference", "Study")
+CASES = cases_of(__file__)
 THREADS = "number of threads, which change no result"
-RIGHT = """
-import snapmap
-sizes = snapmap.Beam("600 um", 10.0, 2.0, 22.0, youngs_modulus="150 GPa", density="2330 kg/m^3")
-device = snapmap.Device(sizes, mass="1e-8 kg", spring=5.5, contact="hard", gravity="9.81 m/s^2")
-how = snapmap.Cosines(modes=3)
-study = snapmap.Study({"a": device}, how, horizon="0.5 ms", until="snap")
-edges = snapmap.threshold(study, f0=[1e3], C="25 uN*us/um", axes={"thickness": ["1.9 um", 2.0]})
-edges.N_first.sel(C=25.0)
-"""
-WRONG = """
-import snapmap
-snapmap.treshold
-snapmap.threshold(None, f0=[1e3], C=25.0, tolerence=1e-3)
-snapmap.Study(3, until="snaps")
-snapmap.Beam(spam=600.0)
-snapmap.Cosines(modes="three")
-"""
 
 
 def parts_of(name):
@@ -126,6 +111,6 @@ def test_a_checker_of_types_finds_names_arguments_and_words(root, tmp_path):
         command = [sys.executable, "-m", "mypy", "--follow-imports=silent", path]
         return subprocess.run(command, cwd=root, capture_output=True, text=True).stdout
 
-    assert check(RIGHT).startswith("Success")
-    lines = {int(line) for line in re.findall(r"use\.py:(\d+): error", check(WRONG))}
-    assert lines == {3, 4, 5, 6, 7}
+    assert check(CASES["right"]).startswith("Success")
+    lines = {int(line) for line in re.findall(r"use\.py:(\d+): error", check(CASES["wrong"]))}
+    assert lines == {2, 3, 4, 5, 6}

@@ -193,9 +193,8 @@ def test_a_misspelt_argument_is_named_with_the_right(right_calls):
         for key in sorted(parameters_of(name).keys() - {"N", "C", "f0", "x", "y", "ax"}):
             at = rng.randrange(1, len(key.rstrip("2345")))  # cosine_ is like all four of them
             wrong = key[:at] + key[at + 1 :]
-            with pytest.raises(
-                TypeError, match=rf"(?m)^{wrong}: is not an argument; did you mean {key}"
-            ):
+            line = rf"(?m)^{wrong}: is not an argument; did you mean {key}"
+            with pytest.raises(TypeError, match=line):
                 FUNCTIONS[name](**right, **{wrong: 1})
             turned = key[: at - 1] + key[at] + key[at - 1] + key[at + 1 :]
             if turned != key and len(key) > 4:
@@ -205,18 +204,11 @@ def test_a_misspelt_argument_is_named_with_the_right(right_calls):
 
 def test_what_belongs_elsewhere_is_told_where(right_calls):
     sweep = right_calls["sweep"]
-    where = {
-        **{"thickness": "axes={'thickness'", "horizon": "horizon=...", "pulse": "pulse=..."},
-        **{"modes": "'modes'", "model": "Study(device, model", "threads": "threads=..."},
-    }
-    for key, words in where.items():
+    for key, words in CASES["elsewhere"].items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument; write ") as caught:
             snapmap.sweep(**sweep, **{key: 1})
         assert words in str(caught.value)
-    for key, words in {
-        "Horizn": "; did you mean horizon",
-        "xyz": "; known here are study, N, ",
-    }.items():
+    for key, words in CASES["nowhere"].items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument{words}"):
             snapmap.sweep(**sweep, **{key: 1})
 
@@ -224,12 +216,7 @@ def test_what_belongs_elsewhere_is_told_where(right_calls):
 def test_a_duration_stands_for_f0_in_every_call_and_beside_it_in_none(handout):
     study = snapmap.Study(handout, "3 cosines", horizon=0)
     drop = {"name": "drop", "N": 900.0, "snaps": False}
-    asked = {
-        "threshold": {"C": 25.0},
-        **{"sweep": {"N": 1000.0, "C": 25.0}, "simulate": {"N": 1000.0, "C": 25.0}},
-        "tolerance": {"scatters": {"rise": "1 %"}, "C": 25.0, "samples": 4},
-    }
-    for name, values in asked.items():
+    for name, values in CASES["timed"].items():
         made = FUNCTIONS[name](study, duration="0.4 ms", **values)
         assert made.identical(FUNCTIONS[name](study, f0=2500.0, **values))
         with pytest.raises(ValueError, match=r"\Aduration: excludes f0, .*; write one of them\Z"):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -11,6 +12,7 @@ from snapmap.solver.cells import to_cells
 from snapmap.solver.outcome import SNAPPED
 from snapmap.solver.settings import Run
 
+CASES = cases_of(__file__)
 SNAP = Run(horizon=1500.0, until="snap", repeat=False)
 
 
@@ -24,14 +26,7 @@ def own_map(device, C):
     return to_cells(device, 0, N, F, C, SNAP.horizon)
 
 
-@pytest.mark.parametrize(
-    ("values", "C"),
-    [
-        ({"contact": np.inf}, 25.0),
-        ({"mass": 4e3, "spring": 9.0, "contact": 120.0}, 0.025),
-        ({"rise": 7.0, "thickness": 2.4, "span": 500.0}, 25.0),
-    ],
-)
+@pytest.mark.parametrize(("values", "C"), CASES["safe"])
 def test_safe_cells_agree_with_the_top_level(handout, values, C):
     device = varied(handout, **values)
     adaptive, cells = build_adaptive(device), own_map(device, C)
@@ -59,23 +54,11 @@ def test_labels_change_where_the_threshold_is(handout, until):
         np.testing.assert_array_equal(labels.notnull().values.ravel()[far], share[far] > 0)
 
 
-THIN = {"span": 185.255, "rise": 1.915, "thickness": 0.3642, "depth": 10.63, "damping": 0.0063}
-THIN |= {"youngs_modulus": 121.9e3, "residual_stress": -2.965, "mass": 735.0, "spring": 0.688}
-
-
-@pytest.mark.parametrize(
-    ("values", "N", "f0", "C", "levels", "few", "many"),
-    [
-        # An independent code sees 1 to 4 of 40 cells snap; in longer steps 39 did.
-        ({"damping": 4e-3}, np.linspace(25e3, 64e3, 40), 8e3, 25.0, (3, 5, 11), 0, 4),
-        # It sees 73 to 76; 1 did. Three cosines are not enough here.
-        (THIN | {"contact": 56.9}, np.linspace(15e4, 3e5, 76), 5e4, 139.7, (5, 11), 70, 76),
-    ],
-)
+@pytest.mark.parametrize(("values", "N", "f0", "C", "levels", "few", "many"), CASES["strikes"])
 def test_every_level_follows_a_mass_that_strikes_fast(handout, values, N, f0, C, levels, few, many):
     """On the way back, where tension turns the fastest modes."""
     how = {"pulse": "half sine", "start": "second", "until": "snap", "horizon": 616.0}
-    device, cells = varied(handout, **values), {"N": N, "f0": [f0], "C": [C]}
+    device, cells = varied(handout, **values), {"N": np.linspace(*N), "f0": [f0], "C": [C]}
     for model in ("auto", *({"name": "cosines", "modes": modes} for modes in levels)):
         cube = snapmap.sweep(Study(device, model, **how), **cells)
         assert few <= cube.t_snap.notnull().sum() <= many

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from conserving_loop import assert_followed
+from small_studies import cases_of
 from varied import in_steps, varied
 
 import snapmap
@@ -131,14 +132,7 @@ def test_the_ledger_closes_to_second_order_while_the_contact_holds_energy(handou
     assert errors[0] < 1e-7 and errors[0] / errors[1] == pytest.approx(4, rel=0.1)
 
 
-DEVICES = {
-    "soft": {},
-    "hard": {"contact": np.inf},
-    "gap": {"gap": 1.0, "contact": 4000.0},
-    "stops": {"stop_toward": 4.0, "stop_away": 1.0, "restitution": 0.8},
-    "damped": {"damping": 4e-3},
-    "tilting": {"free": 1.0, "imperfection": 0.05, "residual_stress": -8.0},
-}
+DEVICES = cases_of(__file__)
 
 
 @pytest.mark.equation(36, 37, 38)

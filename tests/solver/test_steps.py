@@ -94,11 +94,9 @@ def test_a_light_mass_thrown_far_and_a_beam_pulled_far_snap_where_they_do_in_sho
     if is_alone:
         model, N, C = build_model(alone(device), Cosines(modes=11)), np.geomspace(5e3, 7e4, 12), 0.0
     cells = to_cells(model.device, 0, N, f0, C, 1e3, 0, (pulse,))
-    usual, short = (
-        each.follow(cells, Run(horizon=1e3, until="snap"))
-        for each in (model, model.with_step(0.25))
-    )
-    np.testing.assert_array_equal(np.isfinite(usual.t_snap), np.isfinite(short.t_snap))
+    models, run = (model, model.with_step(0.25)), Run(horizon=1e3, until="snap")
+    usual, short = (np.isfinite(each.follow(cells, run).t_snap) for each in models)
+    np.testing.assert_array_equal(usual, short)
 
 
 def threshold(model, f0, C, pulse, tolerance):

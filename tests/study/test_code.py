@@ -32,7 +32,7 @@ def test_an_edit_a_name_and_another_file_change_the_hash(tmp_path):
         made.append(code_hash(tmp_path))
     assert len(set(made)) == 3 and made[2] == made[3]
     plain = made[0], config_hash({"b": 1, "a": 2})
-    texts = b"a.py\01", b'{"a": 2, "b": 1}'
+    texts = b"a.py\x001", b'{"a": 2, "b": 1}'
     assert plain == tuple(sha256(text).hexdigest()[:12] for text in texts)
     (tmp_path / "0").mkdir()
     (tmp_path / "inner" / "b.js").rename(tmp_path / "0" / "b.js")

@@ -23,6 +23,7 @@ from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import follow_rows, slab_name, write_slab
 from snapmap.workflow.plan import JOB_SECONDS, make_plan
 
+CASES = cases_of(__file__)
 STUDY = THREE_COSINES + "run: {horizon: 200 us, until: snap}"
 
 
@@ -154,7 +155,7 @@ def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, mo
             name: device | {"beam": device["beam"] | {"thickness": f"{value} um"}}
             for name, value in thickness.items()
         }
-        return load_config(cases_of(__file__) | {"devices": named})
+        return load_config(CASES["study"] | {"devices": named})
 
     thin, thick = named(zinc=1.9, tin=2.0, tin2=2.1), named(gold=2.05, zinc=1.8, tin=2.0, tin2=2.1)
     monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 10.0)
@@ -175,16 +176,7 @@ def test_a_slab_has_the_same_name_however_its_study_is_written(handout):
     assert name == other and re.fullmatch("[0-9a-f]{12}_[0-9a-f]{12}", name)
 
 
-OLD = ((1,), (2, 3), (4, 5), (6, 7), (8,))
-ADDED = (
-    *((0, ((0, 1), *OLD[1:])), (0.5, ((0.5, 1), *OLD[1:]))),
-    *((9, (*OLD[:4], (8, 9))), (16, (*OLD[:4], (8, 16))), (32, (*OLD, (32,)))),
-    *((1.5, ((1, 1.5), *OLD[1:])), (3.5, (*OLD[:1], (2,), (3, 3.5), *OLD[2:]))),
-    *((2.5, (*OLD[:1], (2, 2.5), (3,), *OLD[2:])), (5.5, (*OLD[:2], (4,), (5, 5.5), *OLD[3:]))),
-)
-
-
-@pytest.mark.parametrize(("value", "slabs"), ADDED)
+@pytest.mark.parametrize(("value", "slabs"), CASES["added"])
 def test_an_added_value_extends_or_splits_only_the_slab_in_which_it_falls(
     monkeypatch, value, slabs
 ):
@@ -192,8 +184,8 @@ def test_an_added_value_extends_or_splits_only_the_slab_in_which_it_falls(
     monkeypatch.setattr("snapmap.workflow.plan.SLAB_CELLS", 2)
     monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 1e6)  # of two cells
     values = [*range(1, 9)]
-    assert tuple(slab["N"] for slab in cut(study(values, [1000.0]))) == OLD
-    assert tuple(slab["N"] for slab in cut(study([*values, value], [1000.0]))) == slabs
+    for asked, runs in (values, CASES["old"]), ([*values, value], slabs):
+        assert [[*slab["N"]] for slab in cut(study(asked, [1000.0]))] == runs
 
 
 def test_a_grid_is_refused_for_its_size_above_ten_thousand_million_cells(monkeypatch):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -19,7 +20,6 @@ from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds.slow import (
-    HEAVY,
     departure_rate,
     fall,
     first_obstacle,
@@ -30,6 +30,8 @@ from snapmap.thresholds.slow import (
 from snapmap.thresholds.summary import summary, tidy
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
+CASES = cases_of(__file__)
+
 
 def compliance(device):
     """Of the mass on its spring and of the beam under their own loads, by handbooks."""
@@ -38,16 +40,7 @@ def compliance(device):
     return device.mass**2 / device.spring + sag
 
 
-@pytest.mark.parametrize(
-    ("change", "N", "f0", "C", "shape", "direction"),
-    [
-        ({"spring": 0.1}, 80, 1000.0, 0.0, "versed sine", "-z"),
-        ({"spring": 0.1, "gap": 30.0}, 150, 500.0, 0.5, "trapezoid", "+z"),
-        ({}, 900, 1500.0, 0.025, "half sine", "+z"),
-        ({}, 700, 300.0, 25.0, "sawtooth", "-z"),
-        ({"mass": 30.0}, 20000, 5000.0, 0.0, "sawtooth", "+z"),
-    ],
-)
+@pytest.mark.parametrize(("change", "N", "f0", "C", "shape", "direction"), CASES["runs"])
 def test_no_run_has_more_energy_than_its_pulse_gives(handout, change, N, f0, C, shape, direction):
     """Held against histories."""
     device = replace(handout, **change)
@@ -206,21 +199,7 @@ def law_of(device):
     return growth_rate(device, 0.025, static), first_obstacle(device, static)
 
 
-@pytest.mark.parametrize(
-    ("values", "reason"),
-    [
-        ({"spring": 8.0}, "the spring is nearly as stiff as the falling beam"),  # stiffer
-        ({"thickness": 1.9, "contact": math.inf}, "the spring is nearly as stiff as the falling"),
-        ({"spring": 2.0}, "the spring is soft beside the falling beam"),
-        ({"contact": 6.0}, "the contact is below 3 times as stiff"),
-        ({"mass": 0.99 * HEAVY}, "the mass is below 100 beams"),
-        ({"rise": 7.9}, "rise/thickness is below 4"),
-        ({"gap": 1.0}, "the mass is apart"),
-        ({"stop_toward": 6.0}, "a stop is in the way"),
-        ({"free": 1.0, "imperfection": 0.1}, "the beam is free to tilt"),
-        ({"cosine_2": 0.01}, "the beam as made has a second cosine"),
-    ],
-)
+@pytest.mark.parametrize(("values", "reason"), CASES["obstacles"])
 def test_where_the_dwell_is_no_constant_it_is_unknown_for_a_reason(handout, values, reason):
     """By each distance that docs/applications/laws.md has errors of."""
     scale = {"mass": handout.beam.weight}

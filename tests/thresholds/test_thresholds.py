@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
@@ -71,23 +72,10 @@ class Bounded(Search):
     bound = np.full(2, 0.01)
 
 
-SIMPLE, ISLANDS = [1.0, 9.0], [1.0, 1.02, 1.1, 1.2, 1.5, 9.0]
+SIMPLE = [1.0, 9.0]
 
 
-@pytest.mark.parametrize(
-    ("scanned", "decided", "highest"),
-    [
-        (SIMPLE, SIMPLE, None),
-        (ISLANDS, ISLANDS, None),
-        # The model that decides looks farther where the scanning one was wrong.
-        ([1.03, 9.0], [1.0, 1.02, 1.05, 9.0], None),
-        (SIMPLE, [0.955, 1.01, 1.03, 9.0], None),
-        # The edge that is looked at closely lies at an end of the window of the cheap model.
-        (SIMPLE, [0.9965, 0.998, 1.015, 1.03, 1.032, 9.0], None),
-        (SIMPLE, [0.975, 0.977, 0.985, 1.001, 1.0015, 9.0], None),
-        ([1.0, 1.4], [1.0, 1.4], 1.8),
-    ],
-)
+@pytest.mark.parametrize(("scanned", "decided", "highest"), cases_of(__file__)["islands"])
 def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided, highest):
     device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
     scans, decides = (Snapping(device, ends) for ends in (scanned, decided))

@@ -147,24 +147,12 @@ def test_text_of_a_config_is_refused_with_what_is_right(name):
 
 
 LENGTH, TRIED = Quantity("a length", "um", "600 um"), Word(("a", "bc", True))
-NUMBERS, RANGE = Several(Quantity("a number", "", "1", "[0, inf)")), {"from": 0, "to": 2}
-READ = {
-    "an empty list is not a list or a range {from, to, points, spacing}, each": (NUMBERS, []),
-    ".to: missing; write a number from 0\n.points: missing; write a": (NUMBERS, {"from": 1}),
-    ".points: 1 needs equal ends; write": (NUMBERS, RANGE | {"points": 1}),
-    ".points: 2 needs from and to that differ": (NUMBERS, RANGE | {"points": 2, "to": 0}),
-    ".spacing: 'logs' is not one of linear, log; did": (
-        NUMBERS,
-        RANGE | {"points": 2, "spacing": "logs"},
-    ),
-    ".spacing: log needs from and": (NUMBERS, RANGE | {"points": 2, "spacing": "log"}),
-    "[1]: 'x' is not a plain number; write a number such as 1": (NUMBERS, [2, "x"]),
-    **{f"{n} is not a whole number from 1 to 100": (Whole(1, 100), n) for n in (0, 101, 2.0)},
-    "1 is not a whole number from 2": (Whole(2), 1),
-    "the list 1 is not a pair of values: its range, each a length above 0": (Pair(LENGTH), [1]),
-    ".x: '1' has no unit; write a length such as '600 um'": (ByName(LENGTH), {"x": "1"}),
-    "'x' is not a, bc or true": (TRIED, "x"),
+NUMBERS = Several(Quantity("a number", "", "1", "[0, inf)"))
+PARTS = {
+    **{"numbers": NUMBERS, "count": Whole(1, 100), "whole": Whole(2), "word": TRIED},
+    **{"pair": Pair(LENGTH), "length": ByName(LENGTH)},
 }
+READ = {line: (PARTS[part], value) for part, value, line in CASES["parts"]}
 TAKEN = {
     **{f"{n} is not a number above 0 in um": (LENGTH, n) for n in (-1.0, True, [[1.0]])},
     "-2.0 is not a number above 0 in um": (LENGTH, [1.0, -2.0]),

@@ -20,7 +20,8 @@ from snapmap.workflow.made import HEAD, LIST
 
 pytestmark = pytest.mark.long
 
-STUDY = yaml.safe_load(THREE_COSINES) | cases_of(__file__)
+CASES = cases_of(__file__)
+STUDY = yaml.safe_load(THREE_COSINES) | CASES["study"]
 OLD = "results/window.nc"
 
 
@@ -201,33 +202,10 @@ def run_in_own_mounts(script, *arguments):
     return done.stdout
 
 
-FILL = """
-cd "$1"
-size="$2"
-shift 2
-mount -t tmpfs -o "size=$size" none results
-"$@" && exit 1
-find results -type f >full.txt
-mount -o remount,size=100m results
-"$@"
-cp results/cube.nc cube.nc
-"""
-LOCK = """
-for place in "$1" "$2"; do
-    mount --bind "$place" "$place"
-    mount -o remount,ro,bind "$place"
-    if touch "$place/written" 2>/dev/null; then exit 1; fi
-done
-cd "$3"
-shift 3
-exec "$@"
-"""
-
-
 @pytest.mark.parametrize("size", ["100k", "150k"])  # too small for the slabs, or for the cube
 def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
     (folder.path / "results").mkdir()
-    output = run_in_own_mounts(FILL, folder.path, size, *folder.command)
+    output = run_in_own_mounts(CASES["fill"], folder.path, size, *folder.command)
     full, *_ = [line for line in output.splitlines() if "not written" in line]
     assert "MB are free there" in full and full.startswith("results/")
     left = [Path(name) for name in (folder.path / "full.txt").read_text().split()]
@@ -240,5 +218,5 @@ def test_a_full_disk_is_named_and_leaves_no_broken_file(folder, resumed, size):
 def test_the_clone_and_the_packages_may_be_read_only(root, folder, resumed):
     """Nor does a run that nothing disturbs give another cube than one that was killed."""
     places = [root, Path(psutil.__file__).parents[1], folder.path]
-    run_in_own_mounts(LOCK, *places, *folder.command)
+    run_in_own_mounts(CASES["lock"], *places, *folder.command)
     folder.assert_made(resumed.cube)

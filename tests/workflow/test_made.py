@@ -1,9 +1,12 @@
 """The list of what runs have made: nothing leaves that is not on it."""
 
+import os
+import time
 from pathlib import Path
 
 import pytest
 
+from snapmap.workflow import made
 from snapmap.workflow.made import HEAD, LIST, begin_list, list_made, remove_others
 
 
@@ -42,10 +45,42 @@ def test_what_is_made_and_not_kept_leaves_and_nothing_else(results):
     assert [line.partition("\t")[0] for line in listed] == sorted(kept)[:2]
 
 
+def test_what_is_not_as_a_plan_makes_it_is_told_with_the_reason(results):
+    names = old, edited, right, foreign = [f"results/{name}.nc" for name in "abcd"]
+    make(old, edited, right)
+    for name in (edited, foreign):
+        Path(name).write_text("mine")
+    plan = dict.fromkeys([*names, "results/none.nc"], "abc") | {old: "other"}
+    assert made.find_others(plan) == [old, edited, foreign]
+    words = "to be made again, as not of this study and code"
+    reasons = (
+        "made for another config or by other code",
+        "changed since",
+        "unknown to results/made.txt",
+    )
+    for others, why in zip(([old], [old, edited], [old, edited, foreign]), reasons, strict=True):
+        assert made.say_why(others) == f"{', '.join(others)}: {words} ({why})"
+    made.hold_to_list([old, right, foreign])
+    with pytest.raises(ValueError, match=r"^results/b\.nc: has changed since it was made; run"):
+        made.hold_to_list(names)
+
+
+def test_what_a_file_is_made_from_is_no_younger(results):
+    make("results/a", "results/b", "results/c")
+    now = time.time_ns()
+    for name, at in (("a", -1), ("b", -2), ("c", 1000)):
+        os.utime(f"results/{name}", ns=(now, now + at * 10**9))
+    made.mend_times({"results/a": (), "results/b": ["results/a"], "results/c": ["results/b"]})
+    a, b, c = (os.stat(f"results/{name}").st_mtime_ns for name in "abc")
+    assert a == b == now - 2 * 10**9 and now <= c <= time.time_ns()
+
+
 def test_many_are_named_in_one_line():
     make(*(f"results/figures/map_{number}.png" for number in range(9)))
     (line,) = remove_others(())
     assert line.count("results/") == 4 and ", 5 others: removed" in line
+    make(*(f"results/figures/map_{number}.png" for number in range(4)))
+    assert "others" not in remove_others(())[0]
 
 
 def test_without_a_list_nothing_leaves(results):

@@ -13,7 +13,7 @@ import psutil
 import pytest
 import xarray as xr
 import yaml
-from small_studies import EVERY_PRODUCT, SHOTS, TINY
+from small_studies import EVERY_PRODUCT, SHOTS, TINY, cases_of
 from small_workflow import snakemake, wait_for
 
 import snapmap
@@ -249,15 +249,7 @@ def copied(finished, tmp_path):
     return tmp_path, finished[1]
 
 
-CHANGES = (
-    ("1.9 um", "1.7 um"),
-    ("modes: 3", "modes: 4"),
-    ("sweep", "pulse: {shape: half sine}\nsweep"),
-    ("horizon: 200 us", "horizon: 300 us"),
-)
-
-
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", cases_of(__file__))
 def test_copied_results_of_another_study_are_made_again_with_a_line(clone, copied, change):
     (config := copied[0] / "changed.yaml").write_text(TINY.replace(*change))
     _, output = snakemake(clone, copied[0], config, "--dry-run")

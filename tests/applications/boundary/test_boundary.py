@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.patches import Polygon
-from small_results import artists, drawn, make_found, visible
+from small_results import artists, drawn, legend_words, make_found, visible
 
 from snapmap.applications.boundary.figure import DURATION, draw_damage_boundary
 
@@ -15,6 +15,7 @@ def ax(paper):
 
 def test_what_snaps_of_each_C_is_shaded(ax):
     region, other = artists(ax, Polygon)
+    assert legend_words(ax)[-1] == "snaps, in the colour of its line"
     assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
     snaps = region.get_path().contains_points
     assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
@@ -38,3 +39,17 @@ def test_thresholds_lie_over_the_velocity_change_between_their_limits(ax):
     names = {float(note.get_text().removesuffix(" ms")): note.xy for note in ax.texts}
     assert {*names} == {10.0, 1.0, 0.1}
     assert [x / y for x, y in names.values()] == pytest.approx([5e-3 * ms for ms in names])
+
+
+@pytest.mark.usefixtures("paper")
+def test_names_of_durations_do_not_meet_and_a_hole_parts_the_shade():
+    found = make_found(C=(25.0,)).assign_coords(f0=[60.0, 1000.0, 2e4])
+    ax = drawn(draw_damage_boundary, found)
+    names = [note.get_text() for note in ax.texts]
+    assert names == ["16.7 ms", "1 ms", "0.1 ms", "0.05 ms"] and legend_words(ax)[-1] == "snaps"
+    for hole, shades in ((0, 1), (1, 0), (2, 1)):
+        first = found.N_first.where(found.f0 != found.f0[hole])
+        assert (
+            len(artists(drawn(draw_damage_boundary, found.assign(N_first=first)), Polygon))
+            == shades
+        )

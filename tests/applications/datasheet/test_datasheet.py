@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from small_studies import cases_of
 
 from snapmap.applications.datasheet.datasheet import datasheet, of_batch
 from snapmap.applications.electrode.closures import CLOSING
@@ -21,6 +22,8 @@ from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 from snapmap.thresholds.slow import departure_rate
 
+CASES = cases_of(__file__)
+
 
 def row_of(text, name):
     line = next(line for line in text.splitlines() if line.startswith(f"| {name}"))
@@ -30,10 +33,8 @@ def row_of(text, name):
 def test_thresholds_and_shares_are_those_of_the_results(handout):
     stops = {"stop_away": 6.0, "stop_toward": 40.0, "contact_at": -5.0}
     device = replace(handout, strength=900.0, **stops)
-    study, shocks = (
-        Study(device=device, model={"name": "cosines", "cosines": 3}),
-        make_shocks("half sine"),
-    )
+    study = Study(device=device, model={"name": "cosines", "cosines": 3})
+    shocks = make_shocks("half sine")
     required = [Shock(name="drop", shocks=shocks, N=500.0, f0=1000.0, snaps=False)]
     (verdict,) = check(study, required, [25.0])
     moved = extremes_of(study.under(shocks), 500.0, 1000.0, 25.0)
@@ -63,19 +64,10 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     assert row_of(text, "travel of the mass towards")[2] == where
     frequency = 1e3 * np.sqrt(device.spring / device.mass) / (2 * np.pi)
     assert row_of(text, "frequency of the mass")[0] == f"{frequency:.5g} kHz"
-    for name, cells in {
-        "beam: thickness": [f"{device.beam.thickness!r} um"],
-        "mass": ["10 mg"],
-        "quality factor": ["94"],
-        "first closure": ["2 us", "6 us", where],
-        "openings": ["4", "8", where],
-        "force on the electrode at -5 um": ["10.723 uN"],
-        "N above which a slow shock snaps it": ["936.78; faster shocks may need less"],
-        "time that the slow shock must stay above it, C = 0.025 mN*s/m": [
-            f"{2 / departure_rate(device, 25.0):.4g} us, for shocks up to N = 974.63"
-        ],
-    }.items():
-        assert row_of(text, name) == cells
+    dwell = f"{2 / departure_rate(device, 25.0):.4g} us, for shocks up to N = 974.63"
+    assert row_of(text, "time that the slow shock must stay above it, C = 0.025 ") == [dwell]
+    for name, cells in CASES["of device"].items():
+        assert row_of(text, name) == cells, name
     heads = "| C, mN*s/m |", "that meet all, at 20 degC:", "at rest at 20 degC"
     assert all(words in text for words in (*heads, "](figures/requirements.png)"))
     assert "exact" not in text
@@ -95,13 +87,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
         travel = free_travel(handout, *moved[:2])
         moved_so = replace(verdict, **moved._asdict(), travel_over_rise=travel)
         rows.append(judge(moved_so, handout, 0.999))
-    source = {
-        "device": {"mass": "10 mg"},
-        "pulse": {"direction": "both"},
-        "run": {"until": "snap"},
-        "sweep": {"C": ["25 uN*us/um", "200 uN*us/um"], "N": {"from": 500, "points": 3}},
-        "tolerances": {"thickness": "0.05 um", "N": {"uniform": "2 %"}, "samples": 32},
-    }
+    source = CASES["source"]
     text = datasheet(study, rows, source, required[:1])
     for name, count in (("hit", 8), ("bump", 4)):
         worst, *others = sorted(
@@ -122,15 +108,7 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
     assert "anchors that turn" in text and lines[-1].count("|") == 4
     assert row_of(text, "SHA-256") == [f"{config_hash(source)}..."]
     assert config_hash(source) != config_hash(source | {"title": "another"})
-    for name, value in {
-        "pulse: direction": "both",
-        "run: until": "snap",
-        "sweep: C": "25 uN*us/um, 200 uN*us/um",
-        "sweep: N": "from 500, points 3",
-        "devices as made: thickness": "0.05 um, standard deviation",
-        "devices as made: N": "uniform 2 %",
-        "devices as made: samples": "32",
-    }.items():
+    for name, value in CASES["rows"].items():
         assert row_of(text, name) == [value]
     assert datasheet(study, rows, source, required[:1]) == text
 

@@ -8,19 +8,20 @@ import pytest
 import yaml
 from scipy.integrate import solve_ivp
 from small_results import make_verdict
-from small_studies import TINY
+from small_studies import THREE_COSINES, TINY, cases_of, changed, faults
 from varied import varied
 
 import snapmap
 from snapmap.applications.electrode import closures
 from snapmap.applications.electrode.closures import CLOSING, Closures, closures_of, passages
-from snapmap.applications.electrode.required import judge_closing
+from snapmap.applications.electrode.required import DEMANDS, judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.whole import load_config
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 from snapmap.values.faults import Faults
 
+CASES = cases_of(__file__)
 MODEL = {"name": "cosines", "modes": 3}
 CELLS = [(1000.0, 1500.0), (1500.0, 3000.0), (1800.0, 9000.0)]
 HORIZON = 150.0
@@ -155,21 +156,7 @@ def test_an_electrode_is_held_by_the_straight_line_of_the_statics(device):
         hold(12.0)
 
 
-UNSEEN, NEVER = {"t_closed_error": np.nan}, {"t_closed": np.nan, "t_closed_error": np.nan}
-
-
-@pytest.mark.parametrize(
-    ("required", "changes", "verdict"),
-    [
-        *(({"closes_within": 101.1}, {}, "met"), ({"closes_within": 100.5}, {}, "unclear")),
-        *(({"closes_within": 98.9}, {}, "failed"), ({"stays_closed": 48.0}, {}, "met")),
-        *(({"stays_closed": 53.0}, {}, "failed"), ({}, {"t_closed": np.nan}, "met")),
-        ({"stays_closed": 53.0}, {"openings": 0}, "unclear"),
-        ({"closes_within": 98.9, "stays_closed": 48.0}, {}, "failed"),
-        ({"closes_within": 500.0}, NEVER, "failed"),
-        ({"closes_within": 500.0}, UNSEEN, "unclear"),
-    ],
-)
+@pytest.mark.parametrize(("required", "changes", "verdict"), CASES["judged"])
 def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, changes, verdict):
     closing = {"t_closed": 100.0, "t_closed_error": 1.0, "closed_for": 50.0}
     closing |= {"closed_for_error": 1.0, "openings": 2.0} | changes
@@ -177,6 +164,27 @@ def test_a_requirement_of_the_electrode_is_met_beyond_its_error(required, change
     judged = judge_closing(met, **required)
     assert judged.verdict == verdict and len(judged.more) == len(closing) + len(required)
     assert judge_closing(failed, **required).verdict == "failed"
+    within, least = (required.get(key, np.nan) for key in ("closes_within", "stays_closed"))
+    margins = [judged.more.get(key, np.nan) for key in ("closes_margin", "stays_margin")]
+    assert margins == pytest.approx([within / closing["t_closed"], 50.0 / least], nan_ok=True)
+    if np.isnan(closing["t_closed"]) and required:
+        unclear = judge_closing(replace(met, verdict="unclear"), **required)
+        assert unclear.verdict == "unclear"
+
+
+@pytest.mark.parametrize(("required", "place", "line"), CASES["asked"])
+def test_a_closing_needs_an_electrode_and_a_shock_that_trips(required, place, line):
+    """It asks for an arrival, as it says itself how long the beam stays."""
+    shock = {"name": "a", "N": 1500, "f0": "1 kHz", "snaps": True, "shape": "half sine"} | required
+    more = {"requirements": [shock], "device__contact_at": place}
+    document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"], **more)
+    if line:
+        (fault,) = faults(document)
+        assert fault == line
+    else:
+        (asked,) = load_config(document).requests["requirements"]
+        assert asked.snaps == ("any" if shock["snaps"] == "any" else "arrives")
+        assert asked.demands == {key: 1000.0 for key in required if key in DEMANDS}
 
 
 def test_a_sheet_has_the_closures_of_each_requirement_that_closes(study):

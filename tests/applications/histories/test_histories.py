@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from small_results import make_history
+from small_studies import cases_of
 from varied import in_steps, varied
 
 import snapmap
@@ -17,7 +18,7 @@ from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from studies import motion
 
-SETTINGS = Run(horizon=300.0)
+CASES, SETTINGS = cases_of(__file__), Run(horizon=300.0)
 ENERGIES = ("kinetic", "spring", "bending", "axial", "contact", "dissipated")
 
 
@@ -99,15 +100,7 @@ def test_the_work_converges_with_order_two(handout, contact, modes):
     np.testing.assert_allclose(np.log2(first / second), 2, atol=0.2)
 
 
-RUNS = [
-    (1000.0, 1500.0, 0.025, REFERENCE, "snapped"),  # the handout's shock
-    (700.0, 2e4, 25.0, CHEAP, "never"),
-    (7e3, 2e4, 25.0, CHEAP, "latched"),
-    (5e4, 2e4, 25.0, CHEAP | {"start": "second", "direction": "-z"}, "returned"),
-]
-
-
-@pytest.mark.parametrize(("N", "f0", "C", "asked", "outcome"), RUNS)
+@pytest.mark.parametrize(("N", "f0", "C", "asked", "outcome"), CASES["runs"])
 def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, asked, outcome):
     """To the curvature of w between two samples; the longer steps of a sweep snap at another."""
     monkeypatch.setattr("snapmap.applications.histories.history.SAMPLES", 10**9)

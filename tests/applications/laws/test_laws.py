@@ -1,12 +1,17 @@
 """The three laws beside thresholds, and their figure."""
 
+from contextlib import nullcontext
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import xarray as xr
 from small_results import visible
 
 import snapmap
+from snapmap.applications.laws import application
 from snapmap.applications.laws.figure import draw as draw_laws
-from snapmap.applications.laws.laws import laws_of, saddle_rates, summary
+from snapmap.applications.laws.laws import _obstacle, laws_of, saddle_rates, summary
 from snapmap.beam.cosines import symmetric_cosines
 from snapmap.figures import style
 from snapmap.study.study import Study
@@ -60,3 +65,35 @@ def test_limits_hold_where_thresholds_are_within_1_percent_and_are_broad_there(l
     draw_laws(figure := style.double_column(4.6), laws.assign(N_slow=laws.N_slow * np.nan))
     words = {text.get_text() for text in figure.legends[0].get_texts()}
     assert not {word for word in words if "law" in word or "holds" in word}
+
+
+def test_laws_hold_up_to_and_from_the_frequencies_at_which_they_are_off(handout, monkeypatch):
+    """To 1 %, and from the slowest and from the shortest pulse on without a gap."""
+    scales = lambda *given: np.ones(given[3].N_first.shape)  # noqa: E731
+    monkeypatch.setattr("snapmap.applications.laws.laws._snap_scales", scales)
+    axes = {"C": [25.0], "f0": [50.0, 100.0, 200.0, 300.0, 1e4, 2e4, 4e4]}
+    short = 0.5e-6 * np.array(axes["f0"]) / (9.81e-6 * 0.5)
+    N_first = np.append([900, 908.9, 910, 900.5], short[4:] * [1.02, 1.0099, 1.0])
+    found = {"N_first": (("C", "f0"), [N_first]), "N_static": 890.0, "area": 0.5}
+    found |= {"dwell": ("C", [150.0]), "velocity_change": ("C", [0.5]), "gravity": 9.81e-6}
+    found["N_slow"] = ("C", "f0"), np.full((1, 7), 900.0)
+    found = xr.Dataset(found, axes | {"C": ("C", [25.0], {"units": "uN us um-1"})})
+    study = Study(handout, "3 cosines")
+    laws = laws_of(study, study.set_out(axes), found)
+    assert (laws.slow_to.item(), laws.short_from.item()) == (100.0, 2e4)
+    np.testing.assert_allclose(laws.N_short[0], short)
+    assert laws.dwell.attrs["missing_as"] == ""
+    none = laws[["N_static", "velocity_change", "saddle_scale"]] * np.nan
+    words = "no law of slow shocks holds; no law of short shocks holds"
+    assert summary(laws.assign(none)).endswith(f": {words}")
+    laws["dwell"] = ("C", [np.nan], {"missing_as": "it is free"})
+    assert "N = 890, how long is not known: it is free; a short one" in summary(laws)
+
+
+@pytest.mark.parametrize(("asked", "own"), [(True, None), (False, "laws.py"), (True, "laws.py")])
+def test_three_laws_stand_beside_no_law_of_the_user(asked, own):
+    study = SimpleNamespace(model=SimpleNamespace(laws=own), start="second")
+    obstacle = "a law of the user's own acts" if own else "runs begin in the second shape"
+    assert _obstacle(study, None) == obstacle
+    with pytest.raises(ValueError, match="leave one of") if asked and own else nullcontext():
+        assert application.request(asked, study, None) is asked

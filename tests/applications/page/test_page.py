@@ -3,6 +3,7 @@
 import json
 import re
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +22,10 @@ from snapmap.study.variables import write
 
 ALWAYS, FIRST, _, CHOSEN, POINTS = range(1, 6)
 """Which curve of the map is which."""
+POINT_AT, COLOURS = (
+    Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
+    for name in ("point_at", "colours")
+)
 
 
 CRASH = {"requirement": "crash", "must_snap": True, "margin": 0.5}
@@ -126,15 +131,7 @@ class View:
 
     def point_at(self, i, j):
         """Where in the window the cell of the i-th x and the j-th y is drawn."""
-        return self.page.evaluate(
-            """([i, j]) => {
-                const { xaxis, yaxis } = map._fullLayout;
-                const box = map.querySelector(".nsewdrag").getBoundingClientRect();
-                const [x, y] = [axes[X].values[i], axes[Y].values[j]];
-                return [box.x + xaxis.d2p(x), box.y + yaxis.d2p(y)];
-            }""",
-            [i, j],
-        )
+        return self.page.evaluate(POINT_AT, [i, j])
 
     def hover(self, i, j):
         """What the page says of a cell; a map that is just drawn anew may miss the pointer."""
@@ -364,19 +361,6 @@ def test_the_first_keys_skip_to_the_parts_of_the_page(show, page_text):
     assert view.page.evaluate("document.activeElement.id") == "at-N"
 
 
-COLOURS = """() => [...document.querySelectorAll("body *")].filter((element) =>
-    element.checkVisibility()
-    && !element.closest("#history, figure svg, .scatterlayer, .annotation")
-    && [...element.childNodes].some(({ nodeType, data }) => nodeType === 3 && data.trim())
-).map((element) => {
-    const { color, fill } = getComputedStyle(element);
-    const ground = (part) => {
-        const { backgroundColor: own } = getComputedStyle(part);
-        return own === "rgba(0, 0, 0, 0)" ? ground(part.parentElement) : own;
-    };
-    return [element.closest("svg") ? fill : color, ground(element)];
-})"""
-"""Colours of texts and of what is behind them, without those that a filter turns, or on cells."""
 GROUND = "getComputedStyle(document.body).backgroundColor"
 
 

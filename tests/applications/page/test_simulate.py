@@ -1,6 +1,7 @@
 """Shocks followed in the browser, against the kernel."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,16 +24,7 @@ HORIZON = 300.0
 NUDGE, MUCH = 1e-12, 20.0
 AFTER = 50.0
 """us after a snap, for which runs agree to 1e-6; then the ringing beam makes much of rounding."""
-RUN = """({ places, rows, pulses, cells }) => cells.map((cell) => {
-    const form = formOf(places, Float64Array.from(rows[cell.device]));
-    const known = pulses[cell.pulse];
-    const pulse = { ...known, pieces: Float64Array.from(known.pieces) };
-    const course = follow(form, pulse, cell, cell.end, cell.dt);
-    for (;;) {
-        const { done, value } = course.next();
-        if (done) return value;
-    }
-})"""
+RUN = Path(__file__).with_name("run.js").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

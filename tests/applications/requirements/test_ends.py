@@ -5,13 +5,13 @@ import re
 import numpy as np
 import pytest
 import yaml
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of, changed
 from varied import varied
 
 import snapmap
 from snapmap.applications.histories.history import NEAR
 from snapmap.applications.page.figure import _worst
-from snapmap.applications.requirements import application, shocks_of
+from snapmap.applications.requirements import application
 from snapmap.applications.requirements.check import check
 from snapmap.applications.requirements.verdict import read_verdicts
 from snapmap.applications.whole import load_config
@@ -108,16 +108,7 @@ def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
 
 
 def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, capsys):
-    document = yaml.safe_load(THREE_COSINES)
-    document["device"]["beam"] |= {"rise": "7.3 um", "thickness": "3 um", "damping": "1e-4 /us"}
-    document["sweep"] = {"N": [1000], "f0": ["8 kHz"], "C": ["25 uN*us/um"]}
-    document["run"] = {"horizon": "4 ms"}
-    crash = {"shape": "half sine", "direction": "both", "N": 2320, "f0": "8 kHz", "snaps": True}
-    document["requirements"] = [
-        crash | {"name": "crash"},
-        crash | {"name": "contact", "direction": "+z", "snaps": "arrives"},
-        crash | {"name": "hit", "N": 40_000, "direction": "-z", "snaps": "arrives"},
-    ]
+    document = changed(yaml.safe_load(THREE_COSINES), **cases_of(__file__))
     study, path = load_config(document), tmp_path / "requirements.csv"
     with pytest.warns(UserWarning, match="the mass travels") as warned:
         application.run(study, path)
@@ -132,16 +123,3 @@ def test_the_last_line_the_table_and_the_page_tell_that_it_returns(tmp_path, cap
     least = min(row.share_staying for row in rows if row.requirement == "crash")
     assert re.match(r"failed: arrives and returns, at worst \(half sine", _worst("crash", rows))
     assert least == 0.0 and _worst("no such", rows) == ""
-
-
-def test_a_closing_asks_for_an_arrival_as_it_says_itself_how_long_it_holds():
-    document = yaml.safe_load(THREE_COSINES)
-    document["device"]["contact_at"] = "-5 um"
-    document["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
-    document["run"] = {"horizon": "1 ms"}
-    crash = {"N": 1500.0, "f0": "1 kHz", "snaps": True, "shape": "half sine"}
-    document["requirements"] = [
-        crash | {"name": "closes", "closes_within": "1 ms"},
-        crash | {"name": "trips"},
-    ]
-    assert [shock.snaps for shock in shocks_of(load_config(document))] == ["arrives", True]

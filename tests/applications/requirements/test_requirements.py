@@ -8,6 +8,7 @@ import pytest
 import yaml
 from matplotlib.collections import LineCollection
 from small_results import artists, drawn, make_verdict
+from small_studies import THREE_COSINES, cases_of, changed, faults
 
 import snapmap
 from snapmap.applications.requirements import application
@@ -20,6 +21,8 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
+
+CASES = cases_of(__file__)
 
 
 def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study):
@@ -91,26 +94,34 @@ def test_a_requirement_counts_under_each_shock_at_each_temperature(handout, stud
     assert {verdict.verdict for verdict in back} == {"met"} and worst(back) == (None, "")
 
 
-BRITTLE = {"strength": 1500.0}
-WEIBULL = BRITTLE | {"strength_modulus": 2.0, "strength_threshold": 1000.0}
-"""At 1400 MPa exp(-(1400 - 1000)^2/1500^2) = 0.931 survive."""
-
-
-@pytest.mark.parametrize(
-    ("strength", "stress", "must", "verdict"),
-    [
-        *((BRITTLE, 1499.0, 0.999, "met"), (BRITTLE, 1501.0, 0.999, "failed")),
-        *((BRITTLE, 1501.0, 0, "met"), ({}, 9e9, 0.999, "met"), (WEIBULL, 900.0, 0.9, "met")),
-        *((WEIBULL, 1400.0, 0.9, "met"), (WEIBULL, 1600.0, 0.9, "failed")),
-    ],
-)
+@pytest.mark.parametrize(("strength", "stress", "must", "verdict"), CASES["judged"])
 def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must, verdict):
     judged = judge(make_verdict(stress_max=stress), replace(handout, **strength), must)
     assert judged.verdict == verdict and judged.must_survive == must
-    if strength == BRITTLE:
+    if "strength_modulus" not in strength and strength:
         assert judged.strength_margin == pytest.approx(1500 / stress)
         assert judged.break_probability == (stress > 1500)
     assert np.isnan(judged.strength_margin) == (not strength)
+
+
+@pytest.mark.parametrize(("changes", "required", "expected"), CASES["sections"])
+def test_a_requirement_has_the_pulse_of_its_study_but_for_what_it_writes(
+    changes, required, expected
+):
+    """Or it is refused; a drop gives the N itself."""
+    document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"] | changes)
+    required = required if isinstance(required, list) else [required]
+    document["requirements"] = [{"name": "a", "snaps": False} | one for one in required]
+    if isinstance(expected, str):
+        (line,) = faults(document)
+        assert line.startswith(expected)
+    else:
+        (shock,) = load_config(document).requests["requirements"]
+        if isinstance(expected, dict):
+            assert shock.shocks.pulse.section == expected
+            return
+        assert [[one.pulse.name, one.direction] for one in shock.shocks.each()] == expected
+        assert (required[0].get("N") or shock.shocks.pulse.peak / 9.81e-6) == shock.N
 
 
 def test_the_worst_corner_is_in_front():

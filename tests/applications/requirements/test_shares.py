@@ -8,7 +8,7 @@ import xarray as xr
 import yaml
 from scipy import stats
 from small_results import drawn, legend_words, make_verdict
-from small_studies import THREE_COSINES
+from small_studies import THREE_COSINES, cases_of, changed
 from varied import varied
 
 import snapmap
@@ -25,7 +25,6 @@ from snapmap.solver.adaptive import choose_model
 from snapmap.solver.cells import to_cells
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
-from snapmap.values.faults import Faults
 
 F0, C = [1500.0], [25.0]
 
@@ -172,33 +171,8 @@ def test_all_fire_holds_for_other_devices_of_its_batch(handout):
     assert np.sum(held) >= stats.binom.ppf(0.05, len(held), 0.95)
 
 
-def document(**more):
-    """A small study with one required shock."""
-    text = yaml.safe_load(THREE_COSINES)
-    text["sweep"] = {"N": [1000], "f0": ["1 kHz"], "C": ["25 uN*us/um"]}
-    text["run"] = {"horizon": "0.3 ms"}
-    shock = {"name": "crash", "N": 990, "f0": "1500 Hz", "snaps": "arrives", "share": "80 %"}
-    text["requirements"] = [shock | more]
-    return text
-
-
-def test_a_share_needs_a_batch_and_no_closing():
-    with pytest.raises(
-        Faults, match=r"^requirements: share of crash: needs devices as made; write"
-    ):
-        load_config(document())
-    whole = document(closes_within="1 ms")
-    whole["device"]["contact_at"] = "-5 um"
-    whole["tolerances"] = {"thickness": "3 %"}
-    with pytest.raises(Faults, match=r"share: not known of closes_within; leave one of them out"):
-        load_config(whole)
-    for wrong in ("100 %", "0 %", "99"):
-        with pytest.raises(Faults, match=r"requirements\[0\]\.share: "):
-            load_config(document(share=wrong) | {"tolerances": {"thickness": "3 %"}})
-
-
 def test_the_table_and_the_last_line_have_the_share(tmp_path, capsys):
-    study = load_config(document() | {"tolerances": {"thickness": "3 %", "samples": 32}})
+    study = load_config(changed(yaml.safe_load(THREE_COSINES), **cases_of(__file__)))
     made, path = tmp_path / "tolerance.nc", tmp_path / "requirements.csv"
     tolerances.run(study, made)
     application.run(study, path, made)

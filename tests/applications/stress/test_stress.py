@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from small_results import AXES, SETTINGS, swept
 from varied import varied
 
 import snapmap
-from snapmap.applications.stress.stress import stress_of_cube
+from snapmap.applications.stress import application
+from snapmap.applications.stress.stress import _window, stress_of_cube
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
@@ -68,3 +70,22 @@ def test_devices_have_the_stress_of_each_alone(brittle):
         alone = stress_of(device, swept(device, **asked)).stress_max
         np.testing.assert_array_equal(whole.sel(thickness=1.8, contact=contact), alone)
     assert whole.sel(thickness=4.4).isnull().all()
+
+
+@pytest.mark.parametrize(("until", "first"), [("snap", 30.0), ("end", 100.0)])
+def test_a_cell_is_followed_for_a_swing_beyond_its_proof_or_to_its_end(until, first):
+    """Of two frequencies; the first cell snaps, the second settles, the third swings on."""
+    cells = SimpleNamespace(device=np.array([0, 1, 1]), t_end=np.full(3, 100.0))
+    device, settings = (
+        SimpleNamespace(own_frequency=np.array([0.1, 0.2])),
+        SETTINGS.but(until=until),
+    )
+    cube = {"t_settled": [np.nan, 50.0, np.nan], "t_snap": [30.0, 20.0, np.nan]}
+    cube = xr.Dataset({key: ("N", column) for key, column in cube.items()})
+    expected = [first, 50 + 10 * np.pi, 100.0]
+    assert _window(device, cube, cells, settings) == pytest.approx(expected)
+
+
+def test_stress_is_sought_where_a_device_may_break(handout, brittle):
+    for device, outputs in ((handout, {}), (brittle, {"stress": "results/stress.nc"})):
+        assert application.outputs(Study(device)) == outputs

@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex, to_rgb
 from scipy import stats
 from small_results import artists, drawn
-from small_studies import TINY
+from small_studies import TINY, cases_of, changed
 from varied import varied
 
 import snapmap
@@ -41,6 +41,7 @@ from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 from snapmap.thresholds import population as batches
 
+CASES = cases_of(__file__)
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 
 
@@ -119,10 +120,8 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
     """Standard deviations and indices from the slopes, as docs/limits.md lists them."""
-    scatters, shock = (
-        dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %"),
-        ([1500], [0.025]),
-    )
+    scatters = dict.fromkeys(("thickness", "youngs_modulus", "rise"), "1 %")
+    shock = [1500], [0.025]
     how = {"samples": 1024, "threshold_tolerance": 1e-4}
     made = snapmap.tolerance(Study(handout, threads=2, **CHEAP), scatters, *shock, **how)
     linear, percent = [], np.array([0.99, 1.01])
@@ -144,14 +143,8 @@ def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
 @pytest.fixture(scope="module")
 def scattered(handout):
     """Devices of which some have no second shape, and a shock that about half of them withstand."""
-    drop = {"name": "drop", "N": 400.0, "f0": 1500.0, "snaps": True}
-    how_study = CHEAP
-    how = {"samples": 128, "requirements": [drop]}
-    scatters = {"thickness": {"uniform": "25 %"}, "N": "2 %"}
-    f0 = [800.0, 1500.0, 3000.0]
-    return snapmap.tolerance(
-        Study(varied(handout, rise=5.0), **how_study), scatters, f0, [25.0], **how
-    ).isel(C=0)
+    study = Study(varied(handout, rise=5.0), **CHEAP)
+    return snapmap.tolerance(study, **CASES["scattered"]).isel(C=0)
 
 
 def test_samples_without_a_second_shape_count_and_never_snap(scattered):
@@ -174,11 +167,8 @@ def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
 
 
 def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
-    asked = [
-        {"name": "trips", "pulse": "half sine", "N": 1000.0, "f0": 2000.0, "snaps": "arrives"},
-        {"name": "rests", "pulse": "half sine", "N": 850.0, "f0": 1000.0, "snaps": False},
-    ]
-    brittle, how = replace(handout, strength=320.0), {"samples": 100, "requirements": asked}
+    how = {"samples": 100, "requirements": CASES["required"]}
+    brittle = replace(handout, strength=320.0)
     made = snapmap.tolerance(Study(brittle, **CHEAP), {"thickness": "5 %"}, [1500.0], [25.0], **how)
     made = made.squeeze("C")
     first, rests = made.N_first_required.values
@@ -207,14 +197,8 @@ def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
     asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
     how, rows = {"model": "3 cosines", "horizon": 4000.0}, ([2000.0], [25.0])
-    made = snapmap.tolerance(
-        Study(light, **how),
-        {"thickness": {"uniform": "1 %"}},
-        *rows,
-        samples=32,
-        requirements=asked,
-    )
-    ends = []
+    how = Study(light, **how), {"thickness": {"uniform": "1 %"}}, *rows
+    made, ends = snapmap.tolerance(*how, samples=32, requirements=asked), []
     for value in made.thickness.values:
         model = build_model(batch([varied(light, thickness=value)]), Cosines(modes=3))
         cell = to_cells(
@@ -302,15 +286,7 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
 
 
 def test_a_yield_names_what_it_leaves_out(monkeypatch):
-    document = yaml.safe_load(TINY)
-    document["sweep"]["C"] = ["30 uN*us/um"]
-    document["device"]["contact_at"] = "-4 um"
-    asked = [
-        {"name": "crash", "N": 2000, "f0": "1 kHz", "snaps": True, "closes_within": "1 ms"},
-        {"name": "shelf", "N": 20, "f0": "1 kHz", "snaps": False},
-        {"name": "srs", "srs": [["500 Hz", "200 g"], ["5 kHz", "200 g"]], "snaps": False},
-    ]
-    study = load_config(document | {"requirements": asked, "tolerances": {"thickness": "1 %"}})
+    study = load_config(changed(yaml.safe_load(TINY), **CASES["leaving out"]))
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
     monkeypatch.setattr("snapmap.study.variables.write_product", lambda *made: written.append(made))

@@ -3,27 +3,31 @@
 import re
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
-from small_results import artists
+from small_results import artists, legend_words
+from small_studies import cases_of
 from varied import varied
 
 import snapmap
 from snapmap import Study
 from snapmap.applications.histories.history import extremes_of
-from snapmap.applications.window import figure
+from snapmap.applications.requirements.sections import RequiredShock
+from snapmap.applications.window import application, choose_axes, figure
 from snapmap.applications.window.between import PARTS, between, least_reserve
-from snapmap.applications.window.window import summary, window_of
+from snapmap.applications.window.window import _off_between, summary, window_of
 from snapmap.device.samples import Scatters, Tolerances
 from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
 from snapmap.values.kinds import kind_of
 
+CASES = cases_of(__file__)
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
 WRITTEN = {"thickness": 0.05, "N": "2 %"}
@@ -90,7 +94,7 @@ def test_where_the_beam_breaks_a_requirement_fails(strong, met):
 
 
 def test_under_several_shocks_the_worst_counts(strong):
-    axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["half sine", "versed sine"]
+    axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["versed sine", "half sine"]
     *alone, both = (
         window_of(strong, axes, [replace(NEEDS[1], shocks=make_shocks(each))])
         for each in (*shapes, shapes)
@@ -137,6 +141,23 @@ def test_margins_beyond_what_is_followed_are_no_widest_ones():
     infinite.reserve.attrs["off_between_points"] = 0.0
     about = figure._about(infinite, infinite.reserve.values)
     assert about == "met everywhere: a\nticks: where a requirement fails; nothing snaps"
+
+
+@pytest.mark.parametrize(("sizes", "chosen"), CASES["axes"])
+def test_a_window_is_over_two_axes_that_a_design_chooses(sizes, chosen):
+    axes = {key: np.arange(float(size)) for key, size in sizes.items()}
+    shock = RequiredShock(name="a", N=1e3, f0=1e3, snaps=True, shocks=make_shocks())
+    study = SimpleNamespace(axes=axes, requests={"requirements": [shock]})
+    assert choose_axes(study) == tuple(chosen)
+    assert application.outputs(study) == ({"window": "results/window.nc"} if chosen else {})
+    study.requests = {}
+    assert application.outputs(study) == {}
+
+
+def test_between_points_a_reserve_is_off_by_an_eighth_of_its_second_differences():
+    """Summed over both axes, the largest of each; what is beyond 4 counts as 4."""
+    x, y = np.array([1.0, 2.0, 3.5, 3.0, 9.0]), np.array([0.0, 0.1, 0.1])
+    assert _off_between(x[:, np.newaxis] + y[np.newaxis, np.newaxis]) == pytest.approx(2.1 / 8)
 
 
 def test_no_design_chooses_a_temperature(handout, study):
@@ -200,7 +221,11 @@ MET, FAILING = figure.MEETING["color"], figure.FAILING["color"]
 @pytest.mark.usefixtures("paper")
 def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
     *panels, stress, _ = drawn_window(make_window())
-    assert len(panels) == 2
+    assert len(panels) == 2 and legend_words(stress) == CASES["legend"]
+    assert stress.figure.legends[0].get_title().get_text() == CASES["about"]
+    layers = [layer for ax in panels for layer in artists(ax, ContourSet) if not layer.filled]
+    drawn = [layer.levels.tolist() for layer in layers if layer.levels.tolist() != [1.0]]
+    assert drawn == [[1.02, 1.05, 1.1, 1.15, 1.2, 1.5], [0.5]]
     lines = [line for line in stress.collections if line.get_path_effects()]
     for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
         (path,) = line.get_paths()

@@ -5,7 +5,7 @@ Each value is a number, or an array, (devices,), for a batch of devices.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import fields
 
 import numpy as np
 
@@ -155,7 +155,7 @@ class Device:
 
     def pick(self, which: int | np.ndarray) -> "Device":
         """Pick a device of a batch by its index, or a smaller batch by indices or a mask."""
-        return _from_values(_values_of(self), lambda value: value[which])
+        return _from_values(values_of(self), lambda value: value[which])
 
     def vary(self, values: Mapping[str, np.ndarray]) -> "Device":
         """Return the same devices with other values, each (devices,), by their names in VALUES.
@@ -169,7 +169,8 @@ class Device:
             except ValueError as error:
                 raise ValueError(f"{key}: {error}") from None
         require(np.greater(values.get("mass", 1.0), 0), "mass: a beam alone is no value of an axis")
-        device = _from_values({**_values_of(self), **self.warmed(values)}, np.asarray)
+        changed = values_of(self) | self.warmed(values)
+        device = _from_values(changed, np.asarray) if values else self
         device.beam.require_second_shape()
         return device
 
@@ -219,21 +220,22 @@ VALUES = tuple(key for key in KINDS if key not in FIXED)
 
 def batch(devices: Sequence[Device]) -> Device:
     """Make a batch of single devices."""
-    rows = [_values_of(device) for device in devices]
+    rows = [values_of(device) for device in devices]
     columns = {key: np.array([row[key] for row in rows], float) for key in rows[0]}
     return _from_values(columns, np.asarray)
 
 
 def is_bistable(device: Device, values: Mapping[str, np.ndarray], size: int) -> np.ndarray:
     """Return whether the beam with other values, each (size,), has a second shape: (size,)."""
-    values = asdict(device.beam) | device.warmed(values)
+    values = values_of(device) | device.warmed(values)
     beam = assemble(Beam, {key: values[key] for key in BEAM_VALUES})
     return np.broadcast_to(beam.is_bistable, (size,))
 
 
-def _values_of(device):
-    values = asdict(device)
-    return values.pop("beam") | values
+def values_of(device: Device) -> dict[str, Number]:
+    """Give all values of a device, those of its beam among them, by name."""
+    names = ((part, field.name) for part in (device.beam, device) for field in fields(part))
+    return {name: getattr(part, name) for part, name in names if name != "beam"}
 
 
 def _from_values(values, convert):

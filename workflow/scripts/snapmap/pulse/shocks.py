@@ -316,7 +316,7 @@ def _pulses(value):
     if isinstance(value, list | tuple):
         pulses = [_pulse(section) for section in value]
         if not pulses or len({pulse.name for pulse in pulses}) < len(pulses):
-            raise ValueError("a shape comes twice; write each once, or give them names")
+            raise ValueError("write one shape or several, each once, or give them names")
         return {pulse.name: pulse for pulse in pulses}
     if isinstance(value, Mapping) and value and not value.keys() & SECTION:
         return {str(name): _pulse(section) for name, section in value.items()}

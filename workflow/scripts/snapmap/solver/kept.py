@@ -1,12 +1,11 @@
 """What is made of a device is kept for the next calls with a device of the same values."""
 
 from collections.abc import Callable, Hashable
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
-from ..device.device import Device
+from ..device.device import Device, values_of
 from .options import Chosen
 
 FEW, MOST = 16, 16
@@ -22,9 +21,7 @@ def kept(make: Callable[[], Any], device: Device, chosen: Chosen, *others: Hasha
     """
     if len(device) > FEW or chosen.laws:
         return make()
-    parts = device.beam, device
-    values = [getattr(part, field.name) for part in parts for field in fields(part)]
-    values = [np.asarray(value, float) for value in values if value is not device.beam]
+    values = (np.asarray(value, float) for value in values_of(device).values())
     key = *((value.shape, value.tobytes()) for value in values), chosen, *others
     if key not in _kept:
         if len(_kept) >= MOST:

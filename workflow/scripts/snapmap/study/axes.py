@@ -8,6 +8,7 @@ pulse's shape and direction, C, f0, and N, along which thresholds are sought.
 import csv
 import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -125,12 +126,14 @@ def make_grid(
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
     columns = zip(device_axes.items(), places, strict=True)
     point = {key: values[place] for (key, values), place in columns}
-    devices = batch(nominal).pick(places[0] if by_name else np.zeros(places.shape[1], int))
+    devices = _batch(*nominal)
+    if device_axes:
+        devices = devices.pick(places[0] if by_name else np.zeros(places.shape[1], int))
     varied = {key: column for key, column in point.items() if key != DEVICE}
     exists = is_bistable(devices, varied, len(devices)) if skip else np.ones(len(devices), bool)
     if exists.any():
         point = {key: column[exists] for key, column in point.items()}
-        device = _vary(devices.pick(exists), point)
+        device = _vary(devices if exists.all() else devices.pick(exists), point)
     else:  # models need a device, though no cell has it
         device = devices.pick([0])
     return Grid(
@@ -139,6 +142,12 @@ def make_grid(
         device_of=np.where(exists, np.cumsum(exists) - 1, -1).reshape(shape),
         pulses=shocks.pulses,
     )
+
+
+@lru_cache(maxsize=16)
+def _batch(*devices):
+    """Make the batch of nominal devices once, as its shapes at rest take long to find."""
+    return batch(devices)
 
 
 def _require_axes(points, nominal):

@@ -14,8 +14,9 @@ from .search import Changes, Search, close_edges, find_changes, is_fast
 OPEN_BAR = 10 * RAGGED_STEP
 """Largest relative bar of a ragged row whose changes are refined. Also how far below a clean
 threshold the finest model is asked for islands."""
-AGREEMENTS = 4
-"""Number of successive distances at which another model must see a threshold in between."""
+DOUBLINGS, EIGHTHS = np.array([1.0, 2.0, 4.0, 8.0]), np.array([7, 6, 5]) / 8
+"""Distances, over the first that is tried, at all of which another model must see a threshold in
+between; and shorter ones, to which a distance is known."""
 MAX_DISTANCE = 0.25
 """Relative distance within which another model's threshold is sought; a row without is ragged."""
 
@@ -70,29 +71,22 @@ def distance(ask: Ask, N_first: np.ndarray, tolerance: float) -> np.ndarray:
     """Find the distance from N_first within which another model's threshold lies, (rows,).
 
     ask: of the other model; tolerance: relative, a quarter of which is the first distance tried
-    At that distance and the next AGREEMENTS - 1 doublings the model does not snap below and snaps
-    above: where labels change back and forth, agreement at a single distance is luck. The distance
-    is known to an eighth; it is infinite beyond MAX_DISTANCE, and NaN where N_first is.
+    At all DOUBLINGS of that distance the model does not snap below and snaps above: where labels
+    change back and forth, agreement at a single distance is luck. The distance is known to an
+    eighth; it is infinite beyond MAX_DISTANCE, and NaN where N_first is.
     """
-
-    def differ(which, reaches):
-        """Tell whether labels at relative distances, (n, m), are not those around a threshold."""
-        N = np.full((N_first.size, 2 * reaches.shape[1]), np.nan)
-        N[which] = N_first[which, np.newaxis] * np.hstack([1 - reaches, 1 + reaches])
-        below, above = np.hsplit(np.isfinite(ask(N))[which], 2)
-        return below | ~above
-
     distances = np.where(np.isnan(N_first), np.nan, np.inf)
-    reach = np.full(N_first.size, tolerance / 4)
+    reach, steps = np.full(N_first.size, tolerance / 4), np.r_[DOUBLINGS, EIGHTHS]
     while (left := np.flatnonzero(np.isinf(distances) & (reach < MAX_DISTANCE))).size:
-        doubled = np.ldexp(reach[left, np.newaxis], np.arange(AGREEMENTS))
-        other = differ(left, np.minimum(doubled, MAX_DISTANCE))
-        passed = np.where(other.any(axis=1), AGREEMENTS - np.argmax(other[:, ::-1], axis=1), 0)
-        distances[left[passed == 0]] = (reach * N_first)[left[passed == 0]]
+        tried = np.minimum(np.multiply.outer(reach[left], steps), MAX_DISTANCE)
+        N = np.full((N_first.size, 2 * steps.size), np.nan)
+        N[left] = N_first[left, np.newaxis] * np.hstack([1 - tried, 1 + tried])
+        below, above = np.hsplit(np.isfinite(ask(N))[left], 2)
+        other, inner = np.hsplit(below | ~above, [DOUBLINGS.size])
+        passed = np.where(other.any(axis=1), other.shape[1] - np.argmax(other[:, ::-1], axis=1), 0)
+        eighths = np.logical_and.accumulate(~inner, axis=1).sum(axis=1) / 8
+        distances[left] = np.where(passed > 0, np.inf, reach[left] * N_first[left] * (1 - eighths))
         reach[left] = np.ldexp(reach[left], passed)
-    near = np.flatnonzero(np.isfinite(distances))
-    same = ~differ(near, np.multiply.outer(reach[near], [7 / 8, 6 / 8, 5 / 8]))
-    distances[near] *= 1 - np.logical_and.accumulate(same, axis=1).sum(axis=1) / 8
     return distances
 
 

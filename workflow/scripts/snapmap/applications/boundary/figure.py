@@ -77,7 +77,7 @@ def _draw_durations(ax, thresholds):
     """
     first, last = thresholds.f0.values[[0, -1]]
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    decades = 10.0 ** np.arange(np.ceil(np.log10(first)), np.floor(np.log10(last)) + 1)
+    decades = 10.0 ** np.arange(np.ceil(np.log10(first)), np.log10(last))
     apart = decades[(decades > APART * first) & (decades < last / APART)]
     for f0 in dict.fromkeys([first, *apart, last]):
         v = thresholds.gravity * thresholds.area.item() / (1e-6 * f0)

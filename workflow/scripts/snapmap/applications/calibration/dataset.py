@@ -84,7 +84,7 @@ def log_thresholds(
     of_device = {key: column for key, column in values.items() if key != "C"}
     bistable = is_bistable(study.device, of_device, len(next(iter(values.values()))))
     if not bistable.all():
-        place = _place(of_device, np.argmin(bistable))
+        place = _place(study, of_device, np.argmin(bistable))
         raise ValueError(f"unknowns: no second stable shape at {place}; write a narrower range")
     # The middle of the ranges stands for the nominal device.
     middle = {key: np.array([(c.min() + c.max()) / 2]) for key, c in values.items()}

@@ -116,7 +116,7 @@ def design(
     if required:
         return _windows(look, searched, grid, goals, N_first, error, met)
     known = np.isfinite(N_first[:, 1:] + N_first[:, :-1])
-    _, values, errors = _ends(look, grid, N_first, error, met, known, N)
+    *_, values, errors = _ends(look, grid, N_first, error, met, known, N)
     return _single(searched, N, grid, N_first, values, errors)
 
 
@@ -179,11 +179,11 @@ def _ends(look, grid, N_first, error, met, where, N):
 
     N_first, error, met: of all goals on the grid, (goals, n)
     where: intervals of the grid that count; N: (goals,)
-    Returns number of the goal, value, and error, (ends,).
+    Returns number of the goal, number of the interval, value, and error, (ends,).
     """
     row, k = np.nonzero((met[:, 1:] != met[:, :-1]) & where)
     if not row.size:
-        return row, grid[k], grid[k]
+        return row, k, grid[k], grid[k]
     N, which = np.broadcast_to(N, len(met))[row], np.arange(k.size)
     guess = _guess(N_first[row], k, N)
     thresholds = np.full((2, k.size, PARTS + 1), np.nan)
@@ -210,7 +210,7 @@ def _ends(look, grid, N_first, error, met, where, N):
     # Where nothing snaps beyond an end, the bar of a threshold tells nothing about it.
     crossed = ((below <= N) != (beyond <= N)) & np.isfinite(inside)
     value = np.where(crossed, inside, (low + high) / 2)
-    return row, value, np.where(crossed, left_open, (high - low) / 2)
+    return row, k, value, np.where(crossed, left_open, (high - low) / 2)
 
 
 def _guess(N_first, k, N):
@@ -237,7 +237,7 @@ def _single(searched, N, grid, N_first, values, errors):
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)
         line = f"{value}: thresholds {ends} are not monotone; at {places} {unit} they are {N:g}"
-        warnings.warn(line, stacklevel=3)
+        warnings.warn(line, stacklevel=5)
     return Design(float(values[0]), float(errors[0]))
 
 
@@ -248,15 +248,13 @@ def _windows(look, searched, grid, goals, N_first, error, met):
     """
     names, N, all_met = [goal.name for goal in goals], [goal.N for goal in goals], met.all(0)
     ends = _ends(look, grid, N_first, error, met, all_met[1:] != all_met[:-1], N)
-    ends = sorted((at, error, names[row]) for row, at, error in zip(*ends, strict=True))
-    places = (grid[0], 0.0, "between"), *ends, (grid[-1], 0.0, "between")
+    ends = sorted((at, error, names[row], k) for row, k, at, error in zip(*ends, strict=True))
+    places = (grid[0], 0.0, "between", -1), *ends, (grid[-1], 0.0, "between", grid.size - 1)
     windows = [
-        (low, high)
-        for low, high in pairwise(places)
-        if all_met[(grid >= low[0]) & (grid <= high[0])].any()
+        (low, high) for low, high in pairwise(places) if all_met[low[3] + 1 : high[3] + 1].any()
     ]
     if not windows:
-        warnings.warn(_contradiction(searched, grid, names, met), stacklevel=3)
+        warnings.warn(_contradiction(searched, grid, names, met), stacklevel=5)
     attrs = attributes_of(*searched)
     data = {
         f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})

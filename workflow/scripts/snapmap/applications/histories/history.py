@@ -178,7 +178,7 @@ def _cell(
     model = choose_model(study.device, study.model, study.start).levels[-1]
     moved = study.run.but(until=until)
     seconds = steps_and_seconds(model, cells, moved)[1].item()
-    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=5)
+    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=6)
     observed = model.follow(cells, moved)
     return model.with_step(math.ldexp(1.0, -observed.halvings.item())), cells, observed
 
@@ -300,7 +300,7 @@ def warn_of_travel(rises: float, where: str = "") -> None:
             f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
             f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stop_toward, "
             "device.stop_away or both",
-            stacklevel=3,
+            stacklevel=6,
         )
 
 
