@@ -16,7 +16,7 @@ import nbformat
 import numpy as np
 import pytest
 import xarray as xr
-from small_studies import SHOTS
+from small_studies import SHOTS, cases_of
 from small_workflow import snakemake
 
 import snapmap
@@ -117,14 +117,7 @@ def with_universal_file(monkeypatch, lasts, time, acceleration, types):
     monkeypatch.setitem(sys.modules, "pyuff", SimpleNamespace(UFF=lambda path: file))
 
 
-UNIVERSAL = (
-    (1e-3, "s", "g", [58], 9 * 9.80665e-6),
-    (1.0, "ms", "m/s2", [151, 164, 58, 58], 9e-6),
-    (1e-3, "s", "NONE", [151, 58], None),
-)
-
-
-@pytest.mark.parametrize(("lasts", "time", "acceleration", "types", "peak"), UNIVERSAL)
+@pytest.mark.parametrize(("lasts", "time", "acceleration", "types", "peak"), cases_of(__file__))
 def test_a_universal_file_becomes_a_record_in_the_units_that_it_names(
     root, tmp_path, monkeypatch, lasts, time, acceleration, types, peak
 ):

@@ -64,13 +64,8 @@ def test_the_rest_is_planned_without_applications(clone, tmp_path, names, monkey
     """Without all that nothing imports, at once, and without each of the others."""
     monkeypatch.delenv("PYTHONPATH", raising=False)
     study_without(clone, names, tmp_path / "study.yaml")
-    told = subprocess.run(
-        [sys.executable, "-c", "import snapmap; print(*dir(snapmap))"],
-        cwd=clone / "workflow" / "scripts",
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert {*dir(snapmap)} - {*told.stdout.split()} == names_of(with_dependents(names))
+    command = [sys.executable, "-c", "import snapmap; print(*dir(snapmap))"]
+    told = subprocess.check_output(command, cwd=clone / "workflow" / "scripts", text=True)
+    assert {*dir(snapmap)} - {*told.split()} == names_of(with_dependents(names))
     _, output = snakemake(clone, tmp_path / "run", tmp_path / "study.yaml", "--dry-run")
     assert "find_threshold" in output and "draw_study" in output

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from PIL import Image
 from small_results import (
@@ -160,6 +161,14 @@ def test_a_map_of_thresholds_has_their_values():
     assert mesh.get_array().tolist() == make_found().N_first.transpose("C", "f0").values.tolist()
 
 
+def test_level_lines_need_two_values_along_both_axes_and_no_hole():
+    found = make_found(C=[10.0 * place for place in range(6)])
+    holed = found.assign(N_first=found.N_first.where(found.f0 < 9e3))
+    for data, are_drawn in ((found, True), (found.isel(f0=[0]), False), (holed, False)):
+        ax = drawn(thresholds.draw_threshold_map, data, "f0", "C")
+        assert bool(artists(ax, QuadContourSet)) == are_drawn
+
+
 def test_the_limit_of_long_pulses_begins_nowhere_and_lines_that_share_it_have_one():
     results = make_found()
     results["N_slow"] = results.N_first * [1.005, 0.995, 1.1]
@@ -194,11 +203,7 @@ def test_figures_of_a_pushed_beam_count_its_force():
     pushed = {"config": json.dumps(CONFIG | {"device": device})}
     two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
     assert captions.multiples(two) == "multiples of each force"
-    for gravity, unit in (
-        ("9.81e-06", "$g$"),
-        ("1e-06", "1\u00a0m/s²"),
-        ("1.62e-06", "1.62\u00a0m/s²"),
-    ):
+    for gravity, unit in CASES["gravity"].items():
         shaken = json.dumps({"device": {"beam": {}, "gravity": f"{gravity} um/us^2"}})
         assert captions.multiples({"config": shaken}) == f"multiples of {unit}"
     results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)

@@ -42,11 +42,8 @@ def test_hidden_samples_of_a_record_and_hidden_shots_are_refused(handout):
 
 def test_settings_of_the_callers_numpy_and_xarray_change_nothing(study):
     def results():
-        return [
-            snapmap.sweep(study, **ROWS),
-            snapmap.threshold(study, [1500.0], [25.0]),
-            snapmap.statics(study.device),
-        ]
+        found = snapmap.sweep(study, **ROWS), snapmap.threshold(study, [1500.0], [25.0])
+        return [*found, snapmap.statics(study.device)]
 
     before = results()
     with np.errstate(all="raise"), xr.set_options(keep_attrs=True, arithmetic_join="exact"):

@@ -19,6 +19,7 @@ import snapmap
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.shocks import make_shocks
 
+CASES = cases_of(__file__)
 SINGLE = {"N": 1000.0, "f0": 1500.0, "C": 25.0}
 CHEAP = {"model": snapmap.Cosines(modes=3), "horizon": 0.0}
 DEVICE = Device(Beam(600.0, 10.0, 2.0, 22.0, 150e3, 2.33e-3), 1e4, 5.5, 40.0, 9.81e-6)
@@ -114,13 +115,8 @@ def wrong_calls(right_calls):
                 yield name, right, key, value
 
 
-NESTED = {
-    "shots": [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}],
-    "unknowns": [{"thickness": (1.7, 2.3)}],
-    "scatters": [{"thickness": "5 %"}, {"thickness": {"uniform": "5 %"}}],
-    "requirements": [[{"name": "drop", "N": 500.0, "f0": 1500.0, "snaps": False}]],
-    "axes": [{"thickness": [1.9, 2.0], "residual_stress": 2.0}],
-}
+NESTED = CASES["nested"] | {"unknowns": [{"thickness": (1.7, 2.3)}]}
+NESTED["shots"] = [{**SHOTS, "direction": ["+z"] * 4, "shape": ["half sine"] * 4}]
 """Right values of which a part can be wrong."""
 
 
@@ -168,9 +164,6 @@ def test_a_wrong_argument_is_one_line_that_names_it(right_calls, stride):
     unclear = {call: fault for call, fault in faults.items() if fault != "passes"}
     assert len(unclear) <= 4, unclear
     assert len(faults) <= 49, faults
-
-
-CASES = cases_of(__file__)
 
 
 def test_a_value_just_beyond_the_right_ones_is_one_line_that_names_it(right_calls):

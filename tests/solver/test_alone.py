@@ -6,7 +6,6 @@ from varied import alone, varied
 
 import snapmap
 from snapmap import Study
-from snapmap.beam.limit_loads import static_threshold
 from snapmap.pulse.pulse import Pulse
 
 F0, CHEAP = 20_000.0, {"model": "3 cosines"}
@@ -20,15 +19,6 @@ def test_a_force_moves_the_beam_alike_in_the_plain_loop_and_the_kernel(handout):
         for name in ("reference", "elements")
     )
     assert oracle > 1.0 and fast == pytest.approx(oracle, rel=1e-4)
-
-
-@pytest.mark.filterwarnings("error")
-def test_static_thresholds_are_the_largest_force_and_that_of_a_mass_far_away(handout):
-    assert static_threshold(alone(handout)) == static_threshold(varied(handout, gap=1e4))
-    tilts = alone(handout, 1.0, free=1.0, imperfection=0.01)
-    for device in (alone(handout, 1.0), tilts):
-        force = snapmap.statics(device).largest_force.item()
-        assert static_threshold(device) == pytest.approx(force, rel=1e-4)
 
 
 @pytest.mark.parametrize(("Q", "bound"), [(5, 318.6), (12, 343.351)])

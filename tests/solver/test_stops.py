@@ -8,7 +8,6 @@ from varied import varied
 
 import snapmap
 from snapmap import Study
-from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device
 from snapmap.pulse.pulse import make_pulse
 from snapmap.solver import simd_loop
@@ -138,13 +137,3 @@ def test_stops_out_of_reach_change_no_bit(handout, model):
     )
     for key in free:
         np.testing.assert_array_equal(free[key], held[key])
-
-
-def test_a_stop_before_the_saddle_holds_the_beam_till_it_leaves_by_its_own_inertia(handout):
-    def static(**values):
-        return static_threshold(varied(handout, **values))
-
-    alone, limits = static(gap=1e4), [static(stop_toward=way) for way in (13, 12, 10, 5, 3)]
-    assert limits == sorted(limits) and limits[-2] < alone == limits[-1]
-    assert static(gap=2.0, stop_toward=12.0) == pytest.approx(limits[2], rel=1e-9)
-    assert static(gap=2.0, stop_toward=2.0) == alone and static(stop_toward=13.4) == static()

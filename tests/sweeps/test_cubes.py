@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from small_results import VARIABLES, make_cells
+from small_studies import cases_of
 
 from snapmap.solver.cells import no_observations, to_rows
 from snapmap.solver.options import TOLERANCE
@@ -27,20 +28,7 @@ class Told:
         return Told(self.device, *self.runs[1:])
 
 
-SNAPPED, FLAT, LOST = {"t_snap": 9.0, "well": 2}, {"well": 0}, {"well": 0, "t_snap": 9.0}
-FAILED = SNAPPED | {"energy_error": 1.0}
-RUNS = [
-    ("first", SNAPPED, SNAPPED, [2, 1, 1, 1.0]),
-    ("second", SNAPPED, {"well": 1}, [1, 0, 0, 1.0]),
-    ("second", {"well": 1}, {"well": 1}, [2, 1, 1, 1.0]),
-    ("first", SNAPPED, {"t_snap": 9.0, "well": 1}, [2, 0, 1, 1.0]),
-    ("first", FLAT, FLAT, [0, 1, 1, 1.0]),
-    ("first", FLAT, LOST, [0, 0, 0, 1.0]),
-    ("first", FAILED, FAILED, [0, 1, 1, np.nan]),
-]
-
-
-@pytest.mark.parametrize(("start", "one", "other", "told"), RUNS)
+@pytest.mark.parametrize(("start", "one", "other", "told"), cases_of(__file__))
 def test_a_cell_has_the_well_of_its_end_and_whether_another_step_agrees(
     handout, start, one, other, told
 ):

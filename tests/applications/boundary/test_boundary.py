@@ -49,7 +49,5 @@ def test_names_of_durations_do_not_meet_and_a_hole_parts_the_shade():
     assert names == ["16.7 ms", "1 ms", "0.1 ms", "0.05 ms"] and legend_words(ax)[-1] == "snaps"
     for hole, shades in ((0, 1), (1, 0), (2, 1)):
         first = found.N_first.where(found.f0 != found.f0[hole])
-        assert (
-            len(artists(drawn(draw_damage_boundary, found.assign(N_first=first)), Polygon))
-            == shades
-        )
+        ax = drawn(draw_damage_boundary, found.assign(N_first=first))
+        assert len(artists(ax, Polygon)) == shades

@@ -281,7 +281,9 @@ def test_C_is_that_of_the_section_or_the_one_of_the_sweep_or_unknown(
     tmp_path, monkeypatch, written, of_sweep, C
 ):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "shots.csv").write_text("N,f0,tripped\n900,1e3,no\n950,1e3,yes\n999,1e3,yes\n")
+    (tmp_path / "shots.csv").write_text(
+        "N,f0,tripped,file\n900,1e3,no,\n950,1e3,yes,\n999,1e3,yes,\n"
+    )
     document = yaml.safe_load(TINY) | {"calibration": {"shots": "shots.csv"} | written}
     document["sweep"]["C"] = of_sweep
     asked = load_config(document).requests["calibration"]

@@ -119,11 +119,8 @@ def test_levels_of_all_pulses_stand_on_the_sheet_or_some_evenly_chosen():
     about = {"share": 0.9, "confidence": 0.95}
     high = np.full(shape, 1100.0)
     high[1, 1] = np.nan
-    data = {
-        "N_no_fire": (dims, np.full(shape, 900.0), about),
-        "N_all_fire": (dims, high, about),
-        "ragged": (dims, np.zeros(shape, np.int8)),
-    }
+    data = {"N_no_fire": np.full(shape, 900.0), "N_all_fire": high, "ragged": 0 * high}
+    data = {key: (dims, values, about) for key, values in data.items()}
     axes = {"shape": ["half sine", "versed sine"], "direction": ["+z", "-z"], "C": [25.0]}
     axes |= {"f0": np.arange(1.0, 10.0) * 100, "sample": np.arange(30), "temperature": 85.0}
     made = xr.Dataset(data, axes)

@@ -2,13 +2,21 @@
 
 import numpy as np
 import pytest
+import yaml
 from small_results import make_history
-from small_studies import cases_of
-from varied import in_steps, varied
+from small_studies import THREE_COSINES, cases_of, changed, faults
+from varied import alone, in_steps, varied
 
 import snapmap
 from snapmap.applications.histories import figure
-from snapmap.applications.histories.history import SAFETY, extremes_of
+from snapmap.applications.histories.history import (
+    NEAR,
+    SAFETY,
+    extremes_of,
+    free_travel,
+    warn_of_travel,
+)
+from snapmap.applications.whole import load_config
 from snapmap.figures import style
 from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model
@@ -78,7 +86,7 @@ ENERGETIC.append(pytest.param(REFERENCE, 700.0, marks=pytest.mark.long))
 
 @pytest.mark.parametrize(("asked", "N"), ENERGETIC)
 def test_the_work_is_the_change_of_energy_and_the_losses(handout, fix_step, asked, N):
-    device, asked = varied(handout, damping=1e-3), asked | {"horizon": 100.0}
+    device, asked = varied(handout, damping=1e-3, gap=0.2), asked | {"horizon": 100.0}
     fix_step(0.3)
     run = snapmap.simulate(Study(device, **asked), N, 2e3, 25.0)
     gained, work = sum(run[f"{kind}_energy"][-1] for kind in ENERGIES), run.pulse_work[-1].item()
@@ -176,3 +184,43 @@ def test_a_caption_names_the_values_that_a_cell_has_in_place_of_the_devices_own(
     figure.draw_history(drawn.subplots(3, sharex=True), changed)
     words = drawn.legends[0].get_title().get_text()
     assert words.startswith("device b2, temperature −33 °C, $C$ = 0.025 ") and "$N$ = 1000" in words
+    changed["work_error"], changed["t_snap_error"] = 0.0123, 0.05
+    figure.draw_history((other := style.double_column(height=4.2)).subplots(3), changed)
+    words = other.legends[0].get_title().get_text().splitlines()[-1]
+    errors = "error by the time step: 1.2 % of the work of the pulse, 0.05 µs of the time of snap"
+    assert words == errors
+
+
+@pytest.mark.parametrize(("changes", "cells", "expected"), CASES["cells"])
+def test_a_cell_has_what_it_writes_and_else_what_the_study_says_alone(changes, cells, expected):
+    document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"] | changes, histories=cells)
+    if isinstance(expected, str):
+        assert faults(document) == [expected]
+    else:
+        (cell,) = load_config(document).requests["histories"]
+        assert [cell.name, cell.f0, cell.C, cell.changes] == expected
+        assert cell.device.beam.thickness == cell.changes.get("thickness", 2.0)
+
+
+def test_a_history_has_stops_blows_forces_and_thousands_of_instants(handout):
+    device = varied(handout, gap=1.0, stop_toward=30.0, stop_away=20.0)
+    run = snapmap.simulate(Study(device, **CHEAP, horizon=50.0), 700.0, 2e3, 25.0)
+    places = run.stop_toward, run.stop_away, run.z_mass[0], run.gravity
+    assert [place.item() for place in places] == pytest.approx([-19.0, 31.0, 11.0, 9.81e-6])
+    assert 4000 <= run.time.size < 8000
+    study = Study(handout, **CHEAP, horizon=100.0, pulse={"train": CASES["train"]})
+    runs = [snapmap.simulate(study, N, None, 25.0) for N in (900.0, 1200.0)]
+    assert [(run.blow.item(), run.t_snap.notnull().item()) for run in runs] == [(0, 0), (1, 1)]
+    pushed = Study(alone(handout, 2.0, damping=4e-3), **CHEAP, horizon=50.0)
+    run = snapmap.simulate(pushed, 30.0, 2e3, 0.0)
+    assert run.midpoint_force.max().item() == pytest.approx(60.0) and "acceleration" not in run
+
+
+def test_a_mass_that_flies_beyond_five_rises_on_a_side_without_a_stop_is_warned_of(handout):
+    one = varied(handout, stop_away=20.0)
+    assert [free_travel(device, 30.0, 70.0) for device in (handout, one)] == [7.0, 3.0]
+    assert free_travel(varied(one, stop_toward=20.0), 30.0, 70.0) == 0.0
+    with pytest.warns(UserWarning, match="the mass travels up to 7.67 times the rise, ") as warned:
+        snapmap.simulate(Study(handout, **CHEAP, horizon=0.0), 20_000.0, 1e3, 25.0)
+    assert warned[0].filename == __file__ and warn_of_travel(5.0) is None
+    assert NEAR.tolist() == pytest.approx(np.linspace(0.99, 1.01, 21))

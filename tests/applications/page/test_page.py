@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from matplotlib.image import imread
 from small_results import SETTINGS, make_cells, make_verdict, swept
+from small_studies import cases_of
 
 from snapmap.applications.page import application
 from snapmap.applications.page.figure import GREY, _opening, page
@@ -307,13 +308,7 @@ def test_where_the_page_ends_otherwise_it_says_so_and_pictures_the_start(show, c
 
 def test_the_device_is_told_in_the_words_of_its_config(show):
     """With the values that C or an axis has at the cell."""
-    beam = {"span": "0.6 mm", "rise": "10 um", "thickness": "2 um", "depth": "22 um"}
-    beam |= {"youngs_modulus": "150 GPa", "density": "2330 kg/m^3", "quality_factor": 200}
-    device = {"beam": beam, "mass": "10 ug", "spring": "5.5 N/m", "contact": "40 N/m"}
-    device["gravity"] = "9.81 m/s^2"
-    axes = {"N": [900, 1100], "f0": ["1 kHz", "2 kHz"], "thickness": ["1.9 um", "2 um"]}
-    C = {"C": ["0.025 uN*us/um", "200 uN*us/um"]}
-    document = {"device": device, "model": {"name": "elements"}, "sweep": axes | C}
+    document = cases_of(__file__)
     study = load_config(document)
     cube = swept(study.device, **study.axes)
     written = application.figures(study)["explore"]["written"]

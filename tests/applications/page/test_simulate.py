@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from small_results import swept
+from small_studies import cases_of
 from varied import varied
 
 from snapmap.applications import page as page_of
 from snapmap.applications.histories.history import simulate
 from snapmap.applications.page import figure as forms
-from snapmap.device.device import ALONE
 from snapmap.solver.kernel.rows import LANES
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
@@ -20,7 +20,7 @@ from snapmap.solver.simd_loop import watch
 from snapmap.study.axes import rows_of
 from snapmap.study.study import Study
 
-HORIZON = 300.0
+CASES, HORIZON = cases_of(__file__), 300.0
 NUDGE, MUCH = 1e-12, 20.0
 AFTER = 50.0
 """us after a snap, for which runs agree to 1e-6; then the ringing beam makes much of rounding."""
@@ -50,12 +50,8 @@ def follow_both(tab, study, axes, start=FIRST):
     columns |= {"N": np.tile(N, rows.C.size), "C": np.repeat(rows.C, N.size), "dt": dt}
     known = [pulse | {"pieces": pulse["pieces"].ravel().tolist()} for pulse in forms.pulses(study)]
     shocks = zip(*(column.tolist() for column in columns.values()), strict=True)
-    data = {
-        "places": forms.PLACES,
-        "rows": table.tolist(),
-        "pulses": known,
-        "cells": [dict(zip(columns, shock, strict=True)) for shock in shocks],
-    }
+    data = {"places": forms.PLACES, "rows": table.tolist(), "pulses": known}
+    data["cells"] = [dict(zip(columns, shock, strict=True)) for shock in shocks]
     runs = tab.evaluate(RUN, data)
     model = build_model(grid.device, Cosines(modes=forms.COSINES))
     twin = cells._replace(amplitude=cells.amplitude * (1 + NUDGE))
@@ -121,26 +117,11 @@ def test_shocks_end_as_the_cube_says_and_move_as_the_kernel_does(alone, handout,
     assert sure.any() and (across == (cube.well.values.ravel() == 2))[sure].all()
 
 
-STOPS = {"stop_toward": 12.0, "stop_away": 2.0, "restitution": 0.6}
-TRAIN = {"train": [{"duration": 300.0}, {"wait": 50.0}, {"repeat": 2}]}
-TILTING = {"free": 1.0, "imperfection": 0.05, "thickness": 1.4}
-STRESSED = {"residual_stress": -8.0, "damping": 4e-3}
-VARIANTS = {
-    "hard": ({"contact": np.inf}, "sawtooth", "+z", FIRST),
-    "gap": ({"gap": 1.0}, "half sine", "both", FIRST),
-    "stops": (STOPS, TRAIN, "-z", FIRST),
-    "free": (TILTING, "trapezoid", "+z", FIRST),
-    "second": ({}, "versed sine", "-z", SECOND),
-    "stressed": (STRESSED, "versed sine", "+z", FIRST),
-    "beam alone": (ALONE, "half sine", "+z", FIRST),
-}
-"""Devices unlike the handout's, each with its shocks and the shape in which it starts."""
-
-
-@pytest.mark.parametrize("name", VARIANTS)
-def test_all_that_the_kernel_knows_of_a_device_is_followed(alone, handout, monkeypatch, name):
+@pytest.mark.parametrize("variant", CASES)
+def test_all_that_the_kernel_knows_of_a_device_is_followed(alone, handout, monkeypatch, variant):
+    """Of devices unlike the handout's, each with its shocks and the shape in which it starts."""
     monkeypatch.setattr(forms, "COSINES", 2)
-    values, pulse, direction, start = VARIANTS[name]
+    values, pulse, direction, start = CASES[variant]
     study = Study(varied(handout, **values), pulse=pulse, direction=direction)
     axes = {"C": [0.025, 50.0], "f0": [700.0, 6000.0], "N": [900.0, 1500.0, 2400.0]}
     runs, kernel, twin = follow_both(alone, study, axes, start)

@@ -136,21 +136,12 @@ def test_the_worst_corner_is_in_front():
         assert replace(free, must_survive=must_survive).badness == (0, 0.0, -reserve)
 
 
-@pytest.fixture
-def document(root):
-    """The handout's config by three cosines, to 300 us after a shock."""
-    document = yaml.safe_load((root / "config" / "config.yaml").read_text(encoding="utf-8"))
-    document["run"]["horizon"] = "300 us"
-    return document | {"model": {"name": "cosines", "modes": 3}}
-
-
 @pytest.mark.parametrize(("strength", "breaks"), [("1 MPa", True), ("100 GPa", False)])
-def test_the_closing_line_says_where_the_beam_breaks(document, tmp_path, capsys, strength, breaks):
+def test_the_closing_line_says_where_the_beam_breaks(tmp_path, capsys, strength, breaks):
     """A shock far below the threshold fails by the strength alone, and the line says so."""
-    document["device"]["strength"] = strength
-    document["sweep"]["C"] = ["25 uN us/um"]
     needs = {"name": "handling", "N": 50, "f0": "1 kHz", "snaps": False, "survives": True}
-    study = load_config(document | {"requirements": [needs]})
+    more = CASES["study"] | {"device__strength": strength, "requirements": [needs]}
+    study = load_config(changed(yaml.safe_load(THREE_COSINES), **more))
     application.run(study, tmp_path / "requirements.csv")
     line = capsys.readouterr().out
     assert ("the beam breaks in handling" in line) == breaks == ("failed: handling" in line)
@@ -177,12 +168,8 @@ def test_margins_are_the_data_with_their_bars_by_slack_and_the_worst_corner_is_i
     shock = {"direction": "-z", "must_survive": 0.999, "temperature": -40.0}
     shock |= {"end": "ends differ", "share_staying": 0.25}
     keys = "requirement", "margin", "margin_error", "verdict", "must_snap", "break_probability"
-    rows = [
-        ("drop", 0.8, 0.01, "met", True, 0.0),
-        ("back", np.nan, np.nan, "met", False, 1e-4),
-        ("shelf", 0.9, 0.02, "failed", False, 0.01),
-    ]
-    verdicts = [make_verdict(**shock, **dict(zip(keys, row, strict=True))) for row in rows]
+    rows = [dict(zip(keys, row, strict=True)) for row in CASES["margins"]]
+    verdicts = [make_verdict(**shock, **row) for row in rows]
     drop, _, shelf = verdicts
     assert replace(drop, duration=6e5).shock == "half sine -z, 600 s"
     ax = drawn(draw_margins, verdicts)

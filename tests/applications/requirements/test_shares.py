@@ -92,10 +92,8 @@ def test_bounds_hold_the_share_of_a_batch_that_is_known(handout):
     edge = thickness_at(handout, N, mean - width, mean + width)
     share = (edge - mean + width) / (2 * width)
     assert 0.6 < share < 0.8
-    needs = [
-        {"name": "trips", "N": N, "f0": 1500.0, "snaps": "arrives", "share": 0.6},
-        {"name": "rests", "N": N, "f0": 1500.0, "snaps": False},
-    ]
+    trips, rests = ({"N": N, "f0": 1500.0, "snaps": snaps} for snaps in ("arrives", False))
+    needs = [trips | {"name": "trips", "share": 0.6}, rests | {"name": "rests"}]
     held = []
     for seed in range(6):
         how = {"samples": 64, "index_samples": 2, "seed": seed, "requirements": needs}
@@ -118,10 +116,8 @@ def test_bounds_hold_the_share_of_ten_thousand_independent_devices(handout):
     drawn = {"thickness": thickness, "youngs_modulus": modulus}
     devices = batch_of([handout]).pick(np.zeros(size, int)).vary(drawn)
     study, shares = cheap(handout), {}
-    needs = [
-        {"name": "most", "N": 1100.0, "f0": 1500.0, "snaps": "arrives"},
-        {"name": "few", "N": 850.0, "f0": 1500.0, "snaps": False},
-    ]
+    asked = {"most": (1100.0, "arrives"), "few": (850.0, False)}
+    needs = [{"name": name, "N": N, "f0": 1500.0, "snaps": to} for name, (N, to) in asked.items()]
     for need in needs:
         cells = to_cells(devices, np.arange(size), need["N"] * factor, *F0, *C, 300.0)
         runs = choose_model(devices, study.model).follow(cells, study.run)

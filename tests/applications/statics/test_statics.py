@@ -8,13 +8,12 @@ from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 from scipy.optimize import root
 from small_results import drawn
+from small_studies import cases_of
 from varied import alone, varied
 
 import snapmap
 from snapmap.applications.statics import figure
-from snapmap.beam.equilibria import buckling_modes
 from snapmap.beam.limit_loads import static_threshold
-from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -78,10 +77,7 @@ def test_the_energy_is_the_work_of_the_force(path, handout):
 
 PUSHED = {"damping": 4e-3, "free": 1.0, "imperfection": 0.05}
 """With tilt: of a perfect guided beam under a force nothing wakes the second mode but time."""
-SLOW = [
-    *({"spring": 2.0, "contact": np.inf}, {"spring": 20.0}, {"mass": 0.6}),
-    *({"gap": 1.5, "residual_stress": 20.0}, {"free": 1.0, "imperfection": 0.05}),
-]
+SLOW = cases_of(__file__)
 
 
 def lowest_slow(device, f0, C, direction="+z", start="first"):
@@ -107,36 +103,6 @@ def test_slow_pulses_on_a_beam_alone_tend_to_its_static_thresholds_there_and_bac
     assert lowest_slow(device, 500.0, 0.0) == pytest.approx(1, rel=2e-3)
     device = varied(device, residual_stress=-60.0)
     assert lowest_slow(device, 500.0, 0.0, "-z", "second") == pytest.approx(1, rel=2e-3)
-
-
-@pytest.mark.parametrize("gap", [0.0, 0.5, 1.5])
-def test_a_stiff_spring_lets_go_of_a_light_beam_at_its_saddle(handout, gap):
-    """There the beam rests without the mass, 4/3 rise from the first shape: M a = K (way + gap)."""
-    values = {"density": 1e-4 * handout.beam.density, "spring": 20.0, "contact": np.inf}
-    device = varied(handout, **values, gap=gap)
-    exact = device.spring * (4 / 3 * handout.beam.rise + gap) / (device.mass * device.gravity)
-    assert static_threshold(device) == pytest.approx(exact, rel=1e-5)
-
-
-def test_static_thresholds_of_a_batch_are_those_of_its_devices(handout):
-    apart = [{"gap": 1e4}, {"stop_toward": 5.0}, {"stop_toward": 3.0, "gap": 1.5}]
-    devices = [varied(handout, **values) for values in (*SLOW, *apart)] * 3
-    for back in (False, True):
-        each = [static_threshold(device, back) for device in devices]
-        np.testing.assert_array_equal(static_threshold(batch(devices), back), each)
-
-
-@pytest.mark.parametrize("stress", [-8.0, 0.0, 20.0])
-def test_kept_and_left_out_modes_yield_as_the_exact_beam_column_does(handout, stress):
-    """By (tan b - b)/(64 b^3), b = sqrt(N)/4, at an N half way from the rest's to the saddle's."""
-    beam = replace(handout.beam, residual_stress=stress)
-    modes, unit = buckling_modes(beam), beam.stiffness_unit
-    tension = modes.buckling[0, 0] / (unit * beam.span) - 4 * np.pi**2
-    b = np.sqrt((16 * np.pi**2 - tension) / 2) / 4
-    kept = np.sum(modes.midpoint**2 / (modes.buckling - (16 * b**2 + tension) * unit * beam.span))
-    exact = (np.tan(b) - b) / (64 * b**3) / unit
-    assert kept + modes.residual == pytest.approx(exact, rel=1e-9)
-    assert 0 < modes.residual < 1e-5 * abs(exact)
 
 
 def forces_held(beam, ways):

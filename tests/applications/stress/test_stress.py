@@ -76,14 +76,11 @@ def test_devices_have_the_stress_of_each_alone(brittle):
 def test_a_cell_is_followed_for_a_swing_beyond_its_proof_or_to_its_end(until, first):
     """Of two frequencies; the first cell snaps, the second settles, the third swings on."""
     cells = SimpleNamespace(device=np.array([0, 1, 1]), t_end=np.full(3, 100.0))
-    device, settings = (
-        SimpleNamespace(own_frequency=np.array([0.1, 0.2])),
-        SETTINGS.but(until=until),
-    )
+    device = SimpleNamespace(own_frequency=np.array([0.1, 0.2]))
     cube = {"t_settled": [np.nan, 50.0, np.nan], "t_snap": [30.0, 20.0, np.nan]}
     cube = xr.Dataset({key: ("N", column) for key, column in cube.items()})
     expected = [first, 50 + 10 * np.pi, 100.0]
-    assert _window(device, cube, cells, settings) == pytest.approx(expected)
+    assert _window(device, cube, cells, SETTINGS.but(until=until)) == pytest.approx(expected)
 
 
 def test_stress_is_sought_where_a_device_may_break(handout, brittle):

@@ -26,6 +26,7 @@ from snapmap.applications.tolerances.dataset import (
     moments,
     quantile_bounds,
     quantiles,
+    summary,
     tolerances_of,
 )
 from snapmap.applications.whole import load_config
@@ -201,9 +202,8 @@ def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
     made, ends = snapmap.tolerance(*how, samples=32, requirements=asked), []
     for value in made.thickness.values:
         model = build_model(batch([varied(light, thickness=value)]), Cosines(modes=3))
-        cell = to_cells(
-            model.device, 0, [5600.0], 2000.0, 25.0, 4000.0, 0, [make_pulse("half sine")]
-        )
+        shock = [5600.0], 2000.0, 25.0, 4000.0, 0, [make_pulse("half sine")]
+        cell = to_cells(model.device, 0, *shock)
         runs = follow_twice(model, cell, Run(horizon=4000.0).but(until="end"))
         ends += [run.well.item() == 2 for run in runs]
     stay = np.mean(ends)
@@ -262,9 +262,8 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     more = {"sensitivity_bound": bounds, "sensitivity": 1.2 * scattered.sensitivity}
     ax = drawn(figure.draw_sensitivity, scattered.assign(more))
     shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
-    assert sorted(shown) == sorted(
-        np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
-    )
+    indices = np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
+    assert sorted(shown) == sorted(indices)
     tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
@@ -283,10 +282,54 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
     assert sum(patch.get_height() for patch in ax.patches[1:]) == known < 128
     assert ax.patches[0].get_x() == 400.0
     assert ax.patches[0].get_facecolor()[:3] == pytest.approx(to_rgb(WRONG["color"]))
+    ends = scattered.N_first_required.min().item(), scattered.N_first_required.max().item()
+    room = 0.05 * (ends[1] - ends[0])
+    assert ax.get_xlim() == pytest.approx((ends[0] - room, ends[1] + room))
+    assert ax.get_title(loc="left").endswith("met by 30.9 %")
+
+
+@pytest.mark.usefixtures("paper")
+def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scattered):
+    lost, spread = int((scattered.bistable == 0).sum()), scattered.N_std / scattered.N_mean
+    spread = f"{100 * spread.min():.2g} to {100 * spread.max():.2g}"
+    words = CASES["words"].format(lost=lost, spread=spread)
+    words_of = [figure.words_of(key) for key in ("thickness+depth", "N", "duration")]
+    told = [summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
+    assert [*told, *words_of] == words.splitlines()
+    breaking = scattered.share_meeting_bound * 0 + xr.DataArray([0.2, 0.35], dims="bound")
+    more = {"share_breaking": scattered.share_meeting * 0 + 0.25, "share_breaking_bound": breaking}
+    _, (name, share, ends), _ = figure.each_share(scattered.assign(more))
+    assert (name, share.item(), ends.values.tolist()) == ("drop, unbroken", 0.75, [0.65, 0.8])
+    two = scattered.expand_dims(C=[25.0, 40.0], axis=-1).assign(must_snap=scattered.must_snap)
+    ax = drawn(figure.draw_yield, two)
+    left, right = (line.get_ydata() for line in ax.lines[:2])
+    assert left == pytest.approx([-0.175, 0.825]) and right == pytest.approx([0.175, 1.175])
+    low, high = scattered.yield_bound.values
+    bar = artists(ax, LineCollection)[0].get_segments()[1][:, 0]
+    assert bar == pytest.approx([low, high]) and ax.get_ylim() == (1.5, -0.5)
+    assert {text.get_text() for text in ax.texts} == {"30.9 % (22.3 to 40.3 %)"}
+    assert ax.get_xlim() == pytest.approx((low - 0.05 * (1 - low), 1 + 0.05 * (1 - low)))
+
+
+@pytest.mark.usefixtures("paper")
+def test_shares_that_stay_are_drawn_from_where_all_above_stay(scattered):
+    share = np.linspace(0.0, 1.0, scattered.N.size) * np.array([[1.0], [0.8], [0.4]])
+    share[0, -1] = 0.9
+    data = scattered.assign(latched=(("f0", "N"), share))
+    half, most = drawn(figure.draw_probability, data).lines[-2:]
+    N = scattered.N.values
+    assert half.get_ydata() == pytest.approx([N[50], N[63], np.nan], nan_ok=True)
+    assert np.isnan(most.get_ydata()).all()
+    assert half.get_label() == "50 % latched at all $N$ above"
+    *_, dots = drawn(figure.draw_probability, data.isel(f0=[1])).lines
+    assert [*dots.get_ydata()] == [*share[1]]
 
 
 def test_a_yield_names_what_it_leaves_out(monkeypatch):
     study = load_config(changed(yaml.safe_load(TINY), **CASES["leaving out"]))
+    # Of two f0: 512 samples twice for indices, and 1000 samples, as for each of two shocks.
+    counts = {"thresholds of devices as made": 2 * 512 * 2 + (2 + 2) * 1000}
+    assert tolerances.application.counts(study) == counts
     product, written = xr.Dataset({"yield": 1.0}), []
     monkeypatch.setattr("snapmap.applications.tolerances.dataset.tolerances_of", lambda *_: product)
     monkeypatch.setattr("snapmap.study.variables.write_product", lambda *made: written.append(made))

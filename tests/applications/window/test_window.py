@@ -32,10 +32,7 @@ CHEAP = {"model": "3 cosines", "horizon": 300.0}
 AXES = {"thickness": np.linspace(1.9, 2.4, 6), "C": [25.0, 60.0]}
 WRITTEN = {"thickness": 0.05, "N": "2 %"}
 SCATTERS = kind_of(Scatters).take(WRITTEN)
-ASKED = [
-    {"name": name, "N": N, "f0": 1500.0, "snaps": snaps}
-    for name, N, snaps in (("trip", 1300.0, True), ("stay", 1100.0, False))
-]
+ASKED = CASES["asked"]
 NEEDS = [Shock(**shock, survives=0.999, shocks=make_shocks()) for shock in ASKED]
 
 

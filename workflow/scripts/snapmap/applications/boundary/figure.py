@@ -60,7 +60,7 @@ def draw_damage_boundary(ax: Axes, thresholds: xr.Dataset, lines: str = "C") -> 
 
 def _draw_region(ax, thresholds, colour):
     """Shade the region above each stretch of a curve between its holes."""
-    thresholds = thresholds.sortby("f0", ascending=False)
+    thresholds = thresholds.sortby("f0")
     N, v = thresholds.N_first.values, curves.velocity_change(thresholds).values
     known = np.flatnonzero(np.isfinite(N))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
