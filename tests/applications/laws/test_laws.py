@@ -58,7 +58,8 @@ def test_limits_hold_where_thresholds_are_within_1_percent_and_are_broad_there(l
     assert "a slow shock trips it above N = 936.8 for longer than 147.9 us" in words
     draw_laws(figure := style.double_column(4.6), laws)
     top, below = figure.axes
-    assert top.get_ylim() == pytest.approx((laws.N_first.min() / 1.2, laws.N_first.max() * 1.2))
+    N_first = laws.N_first.values
+    assert top.get_ylim() == pytest.approx((N_first.min() / 1.2, N_first.max() * 1.2))
     broad = [visible(line) for line in top.lines if line.get_linewidth() == 4]
     assert broad == [[[50.0, laws.N_slow.values[0, 0]]], []]
     levels = {line.get_ydata()[0] for line in below.lines[1:]}
