@@ -164,13 +164,7 @@ def test_a_fault_between_keys_is_one_line_that_names_one(key, document):
     assert f"{only_fault(document)}: ".startswith(f"{key}: ")
 
 
-INHERITED = {"shape": "trapezoid", "rise": "20 %", "fall": "30 %", "direction": "-z"}
-OF_DROP = {"height": "20 cm", "duration": "1 ms"}
-SHAKEN = {
-    "shock": {"N": 900, "duration": "1 ms"},
-    "drop": {"drop": OF_DROP},
-    "train": {"N": 900, "train": [{"duration": "1 ms"}, {"wait": "2 ms"}, {"duration": "1 ms"}]},
-}
+INHERITED, OF_DROP, SHAKEN = (CASES[key] for key in ("inherited", "of_drop", "shaken"))
 
 
 @pytest.mark.parametrize("kind", SHAKEN)
