@@ -86,6 +86,17 @@ def make_found(C=(25.0, 200.0)):
     return xr.Dataset(variables, {"C": list(C), "f0": F0}, ATTRIBUTES | {"gravity": 1e-5})
 
 
+def make_history(*w_mid, t_snap=np.nan):
+    """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
+    w = np.array(w_mid, float)
+    values = {"w_mid": w, "z_mass": w + 1, "contact_force": 0 * w, "acceleration": 0 * w + 0.02}
+    columns = {key: ("time", column) for key, column in values.items()}
+    columns |= {"second_equilibrium": -9.0, "gravity": 1e-5, "t_snap": t_snap}
+    columns |= {"work_error": np.nan, "t_snap_error": np.nan}
+    axes = {"time": 10.0 * np.arange(w.size), "N": 1000.0, "f0": 1500.0, "C": 0.025}
+    return xr.Dataset(columns, axes, ATTRIBUTES)
+
+
 def make_verdict(**values):
     """A verdict of a half sine of 1 ms along +z, met at 20 degC; other numbers are not known."""
     blank = {each.name: np.nan for each in fields(Verdict) if each.type is float}

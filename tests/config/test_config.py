@@ -55,9 +55,7 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 
 
-ALONE = dict.fromkeys(("device__spring", "device__contact", "sweep__C", "histories"), MISSING)
-ALONE["device__mass"] = "none"
-PUSHED = {"device__gravity": MISSING, "device__force": "2 uN"}
+ALONE, PUSHED = CASES["alone"], CASES["pushed"]
 
 
 @pytest.mark.parametrize("pushed", [{}, PUSHED])
@@ -149,9 +147,7 @@ def test_a_history_has_the_duration_and_damper_that_the_study_alone_has():
         assert line.startswith(f"histories[0].{key}: missing; write ")
 
 
-DROP = {"drop": {"height": "1 m", "duration": "0.5 ms"}}
-BLOW = {"name": "blow", "N": 1500, "f0": "2 kHz", "snaps": True}
-FREE = {"device__beam__free": True, "device__beam__imperfection": "0.01 um"}
+DROP, BLOW, FREE = (CASES[key] for key in ("drop", "blow", "free"))
 
 NAMED = {"devices": {"a b": DEFAULT["device"]}, "device": MISSING}
 FAULTY = (
@@ -168,13 +164,7 @@ def test_a_fault_between_keys_is_one_line_that_names_one(key, document):
     assert f"{only_fault(document)}: ".startswith(f"{key}: ")
 
 
-INHERITED = {"shape": "trapezoid", "rise": "20 %", "fall": "30 %", "direction": "-z"}
-OF_DROP = {"height": "20 cm", "duration": "1 ms"}
-SHAKEN = {
-    "shock": {"N": 900, "duration": "1 ms"},
-    "drop": {"drop": OF_DROP},
-    "train": {"N": 900, "train": [{"duration": "1 ms"}, {"wait": "2 ms"}, {"duration": "1 ms"}]},
-}
+INHERITED, OF_DROP, SHAKEN = (CASES[key] for key in ("inherited", "of_drop", "shaken"))
 
 
 @pytest.mark.parametrize("kind", SHAKEN)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from PIL import Image
 from small_results import (
@@ -158,6 +159,14 @@ def test_the_bound_by_energy_is_drawn_where_some_threshold_is_below_the_static_o
 def test_a_map_of_thresholds_has_their_values():
     (mesh,) = artists(drawn(thresholds.draw_threshold_map, make_found(), "f0", "C"), QuadMesh)
     assert mesh.get_array().tolist() == make_found().N_first.transpose("C", "f0").values.tolist()
+
+
+def test_level_lines_need_two_values_along_both_axes_and_no_hole():
+    found = make_found(C=[10.0 * place for place in range(6)])
+    holed = found.assign(N_first=found.N_first.where(found.f0 < 9e3))
+    for data, are_drawn in ((found, True), (found.isel(f0=[0]), False), (holed, False)):
+        ax = drawn(thresholds.draw_threshold_map, data, "f0", "C")
+        assert bool(artists(ax, QuadContourSet)) == are_drawn
 
 
 def test_the_limit_of_long_pulses_begins_nowhere_and_lines_that_share_it_have_one():

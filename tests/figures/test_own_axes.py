@@ -5,10 +5,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.text import Text
-from small_results import make_cells, make_found
+from small_results import make_cells, make_found, make_history
 
 import snapmap
 from snapmap.applications.boundary.figure import draw_damage_boundary
+from snapmap.applications.histories.figure import draw_history
 from snapmap.figures import maps, scales, style, thresholds
 
 CELLS = make_cells(
@@ -91,6 +92,18 @@ def test_in_a_users_own_layout_no_text_lies_over_another_or_is_cut_off(name, lay
     assert not figure.legends
 
 
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_history_is_legible_in_a_column_of_any_layout(layout, monkeypatch):
+    settings, made, adjust = LAYOUTS[layout]
+    plt.rcParams.update(settings)
+    figure, axes = plt.subplots(3, sharex=True, figsize=(3.4, 4.2), layout=made.get("layout"))
+    history = make_history(10, 0, -8, -12, -5, -12, t_snap=22.5)
+    draw_history(axes, history.assign(contact_force=abs(history.z_mass), gravity=1e-4))
+    adjust(figure)
+    require_legible(figure, monkeypatch)
+    assert axes[0].get_legend() and not figure.legends
+
+
 def test_on_a_page_of_many_maps_no_text_lies_over_another(tmp_path, monkeypatch):
     names = {"device": "number {}", "shape": "shape {}", "direction": "{}z"}
     cells = [
@@ -107,14 +120,10 @@ def test_a_legend_and_colours_are_as_asked_and_ours_whatever_the_users_cycle_is(
     _, (left, right) = plt.subplots(1, 2)
     snapmap.plot_outcome(CELLS, left, legend=False, colours={"snaps": "gold"})
     assert left.get_legend() is None
-    assert mpl.colors.to_hex("gold") in [
-        mpl.colors.to_hex(c) for c in left.collections[0].cmap.colors
-    ]
+    assert "#ffd700" in map(mpl.colors.to_hex, left.collections[0].cmap.colors)
     ax = snapmap.plot_outcome(CELLS, right, legend={"loc": "lower left", "fontsize": 7})
     assert ax.get_legend().get_texts()[0].get_fontsize() == 7
-    with pytest.raises(
-        ValueError, match="colours: 'snap' is none of the states does not snap, snaps"
-    ):
+    with pytest.raises(ValueError, match="'snap' is none of the states does not snap, snaps"):
         snapmap.plot_outcome(CELLS, colours={"snap": "gold"})
     ax = thresholds.draw_thresholds(plt.subplots()[1], make_found())
     assert {"black", style.VERMILION} <= {line.get_color() for line in ax.lines}
@@ -134,11 +143,7 @@ def test_a_map_breaks_its_title_and_the_label_of_its_colours_in_a_column(shows):
 
 
 def test_texts_are_escaped_where_they_go_to_latex_and_only_once():
-    draw = scales.number, style._escaped
-    assert [write(value) for write, value in zip(draw, (12_000.0, "1 % of a_b"), strict=True)] == [
-        "12\u2009000",
-        "1 % of a_b",
-    ]
+    assert scales.number(12_000.0) == "12\u2009000" and style._escaped("1 % of a_b") == "1 % of a_b"
     plt.rcParams["text.usetex"] = True
     assert scales.number(12_000.0) == r"12\,000"
     assert style._escaped("1 % & #2 of a_b") == r"1 \% \& \#2 of a_b"

@@ -6,49 +6,9 @@ import subprocess
 import sys
 
 import pytest
+from small_studies import cases_of
 
-STUDY = """
-import hashlib
-import sys
-from dataclasses import replace
-from pathlib import Path
-
-import snapmap
-from snapmap.beam.modal import natural_frequency
-from snapmap.study.variables import write
-from snapmap import Reference, Study
-from snapmap.solver.outcome import SNAPPED
-from snapmap.numerics.portable import geometric, linear
-
-device, folder, names = snapmap.load_device(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:]
-stressed = replace(device.beam, free=1.0, imperfection=0.05, residual_stress=-8.0)
-damped = replace(stressed, damping=natural_frequency(stressed) / 250.0)
-ringing = replace(device, beam=damped)
-chaotic = {"N": linear(1100, 2350, 6), "f0": geometric(700, 5000, 4), "C": [0.025]}
-
-
-def sweep(model, device=device):
-    return snapmap.sweep(Study(device, model), **chaotic)
-
-
-products = {
-    "cosines": lambda: sweep("3 cosines"),
-    "elements": lambda: sweep("2 elements"),
-    "reference": lambda: sweep(Reference(elements=2)),
-    "history": lambda: snapmap.simulate(Study(device, "3 cosines"), 2200.0, 1000.0, 0.025),
-    "quality": lambda: sweep("3 cosines", ringing),
-    "threshold": lambda: snapmap.threshold(Study(device, "cosines"), [1500.0, 6000.0], [0.025]),
-}
-for name in names or products:
-    product = products[name]()
-    if name == "cosines":
-        assert (product.outcome == SNAPPED).sum() > 10  # the end open: what follows is chaotic
-    write(product, folder / "product.nc")
-    print(name, hashlib.sha256((folder / "product.nc").read_bytes()).hexdigest())
-    numbers = (product[key].values for key in sorted(product.variables))
-    bits = b"".join(column.tobytes() for column in numbers if column.dtype.kind in "if")
-    print(name, "numbers", hashlib.sha256(bits).hexdigest()[:16])
-"""
+STUDY = cases_of(__file__)["study"]
 BITS = {
     "cosines numbers": "5436d396a3af8a9a",
     "reference numbers": "9d942870cac4291c",

@@ -145,8 +145,10 @@ def test_slabs_have_as_many_C_as_their_jobs_have_time_for(tmp_path, followed, mo
     assert_same_cube(collect_slabs(paths, whole.axes, {}), in_one)
 
 
-@pytest.mark.parametrize("share", [0.2, 0.4, 2.0])
-def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, monkeypatch, share):
+@pytest.mark.parametrize(("share", "pulse"), CASES["shares"])
+def test_slabs_have_several_devices_shapes_and_directions(
+    tmp_path, followed, monkeypatch, share, pulse
+):
     """A named device that is new, or that has another value, is followed alone."""
 
     def named(**thickness):
@@ -155,7 +157,7 @@ def test_slabs_have_several_devices_shapes_and_directions(tmp_path, followed, mo
             name: device | {"beam": device["beam"] | {"thickness": f"{value} um"}}
             for name, value in thickness.items()
         }
-        return load_config(CASES["study"] | {"devices": named})
+        return load_config(CASES["study"] | {"devices": named, "pulse": pulse})
 
     thin, thick = named(zinc=1.9, tin=2.0, tin2=2.1), named(gold=2.05, zinc=1.8, tin=2.0, tin2=2.1)
     monkeypatch.setattr("snapmap.workflow.plan.JOB_SECONDS", 10.0)

@@ -277,9 +277,7 @@ def test_a_surface_is_straight_between_its_points_over_up_to_four_unknowns(study
 
 
 @pytest.mark.parametrize(("written", "of_sweep", "C"), CASES["dampings"])
-def test_C_is_that_of_the_section_or_the_one_of_the_sweep_or_unknown(
-    tmp_path, monkeypatch, written, of_sweep, C
-):
+def test_C_is_written_or_of_the_sweep_or_unknown(tmp_path, monkeypatch, written, of_sweep, C):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "shots.csv").write_text(
         "N,f0,tripped,file\n900,1e3,no,\n950,1e3,yes,\n999,1e3,yes,\n"

@@ -60,9 +60,7 @@ LINEAR, SIDES = {"between": (1.0, 3.0), "C": 25.0}, ("low", "high")
 
 @pytest.mark.usefixtures("linear")
 @pytest.mark.parametrize(("needs", "between", *SIDES), CASES["windows"])
-def test_ends_of_windows_of_linear_thresholds_are_exact_with_their_errors(
-    handout, needs, between, low, high
-):
+def test_ends_of_windows_are_exact_with_their_errors(handout, needs, between, low, high):
     """Half a part of an interval beside the bar; without thresholds beyond, half a part alone.
 
     Some lie in parts at ends of intervals, of which thresholds are known.

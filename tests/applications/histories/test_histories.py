@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
-from small_results import ATTRIBUTES
+from small_results import make_history
 from small_studies import THREE_COSINES, cases_of, changed, faults
 from varied import alone, in_steps, varied
 
@@ -157,17 +156,6 @@ def test_a_cube_says_by_how_much_another_step_differs(handout):
     np.testing.assert_array_equal(error[struck], apart)
     np.testing.assert_array_equal(time_error, np.float32(abs(times[1] - times[0])))
     assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()
-
-
-def make_history(*w_mid, t_snap=np.nan):
-    """A history whose midpoint takes these positions, 10 us apart, 1 um below the mass."""
-    w = np.array(w_mid, float)
-    values = {"w_mid": w, "z_mass": w + 1, "contact_force": 0 * w, "acceleration": 0 * w + 0.02}
-    variables = {key: ("time", column) for key, column in values.items()}
-    variables |= {"second_equilibrium": -9.0, "gravity": 1e-5, "t_snap": t_snap}
-    variables |= {"work_error": np.nan, "t_snap_error": np.nan}
-    axes = {"time": 10.0 * np.arange(w.size), "N": 1000.0, "f0": 1500.0, "C": 0.025}
-    return xr.Dataset(variables, axes, ATTRIBUTES)
 
 
 def curves_of(history):

@@ -105,10 +105,8 @@ def test_a_requirement_fails_if_the_beam_breaks(handout, strength, stress, must,
 
 
 @pytest.mark.parametrize(("changes", "required", "expected"), CASES["sections"])
-def test_a_requirement_has_the_pulse_of_its_study_but_for_what_it_writes(
-    changes, required, expected
-):
-    """Or it is refused; a drop gives the N itself."""
+def test_a_requirement_has_the_pulse_of_its_study(changes, required, expected):
+    """But for what it writes; or it is refused; a drop gives the N itself."""
     document = changed(yaml.safe_load(THREE_COSINES), **CASES["study"] | changes)
     required = required if isinstance(required, list) else [required]
     document["requirements"] = [{"name": "a", "snaps": False} | one for one in required]

@@ -77,7 +77,7 @@ def test_the_energy_is_the_work_of_the_force(path, handout):
 
 PUSHED = {"damping": 4e-3, "free": 1.0, "imperfection": 0.05}
 """With tilt: of a perfect guided beam under a force nothing wakes the second mode but time."""
-SLOW = cases_of(__file__)
+CASES = cases_of(__file__)
 
 
 def lowest_slow(device, f0, C, direction="+z", start="first"):
@@ -89,7 +89,7 @@ def lowest_slow(device, f0, C, direction="+z", start="first"):
     return lowest_snap(probe, reach, 1e-4).item() / static
 
 
-@pytest.mark.parametrize("values", SLOW)
+@pytest.mark.parametrize("values", CASES["slow"])
 def test_slow_pulses_tend_to_the_static_threshold(handout, values):
     """A soft spring lets go at the top of the path, a stiff one where the beam leaves the mass."""
     device = varied(handout, **values)
@@ -210,7 +210,11 @@ def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the
         (figure.draw_force_displacement, "force", (0, 0, 0)),
         (figure.draw_energy, "energy", (0, 385.962, 486.805)),
     ):
-        *paths, stable, unstable = (line.get_xydata().T for line in drawn(draw, path).lines[:4])
+        ax, real = drawn(draw, path), path[key].sel(branch="guided").values
+        reach = (real.max() - real.min()) / 2
+        assert ax.get_ylim() == pytest.approx((real.min() - reach, real.max() + reach))
+        assert {text.get_text() for text in ax.texts} == {*CASES["texts"][key]}
+        *paths, stable, unstable = (line.get_xydata().T for line in ax.lines[:4])
         for branch, points in zip(("unbranched", "guided"), paths, strict=True):
             expected = path.sel(branch=branch)
             np.testing.assert_array_equal(points, [expected.displacement, expected[key]])

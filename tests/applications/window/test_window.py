@@ -152,9 +152,9 @@ def test_a_window_is_over_two_axes_that_a_design_chooses(sizes, chosen):
 
 
 def test_between_points_a_reserve_is_off_by_an_eighth_of_its_second_differences():
-    """Summed over both axes, the largest of each; what is beyond 4 counts as 4."""
-    x, y = np.array([1.0, 2.0, 3.5, 3.0, 9.0]), np.array([0.0, 0.1, 0.1])
-    assert _off_between(x[:, np.newaxis] + y[np.newaxis, np.newaxis]) == pytest.approx(2.1 / 8)
+    """Summed over both axes, the largest of each; 4 and 1/4 count for what is beyond."""
+    x, y = np.array([9.0, 3.0, 0.0]), np.array([0.0, 0.1, 0.1])
+    assert _off_between(x[:, np.newaxis] + y[np.newaxis, np.newaxis]) == pytest.approx(2.05 / 8)
 
 
 def test_no_design_chooses_a_temperature(handout, study):

@@ -204,7 +204,7 @@ def is_none(mass: object) -> bool:
     if isinstance(mass, str):
         return mass == "none"
     numbers = plain_numbers(mass)
-    return numbers is not None and numbers.size > 0 and not np.any(numbers)
+    return numbers is not None and not np.any(numbers)
 
 
 _KINDS = {key: kind_of(hint) for key, hint in {**hints(Beam), **hints(Device)}.items()}

@@ -51,6 +51,9 @@ it hardly faster than the beam follows."""
 STRIKE_TURN = 2.0
 """Most radians per step by which the fastest mode turns under the tension of a strike, or of the
 beam's own load; in longer steps the energy is conserved, but goes to the wrong modes."""
+PULLED = 4.0
+"""Factor on that load of a beam alone that a pulse pulls along -z: it is stretched for as long as
+the pulse lasts, and comes back, so its fastest mode turns by half of STRIKE_TURN."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ class Steps:
         cells: Cells,
         question: str,
         speed: np.ndarray | float = 0.0,
-        shaken: np.ndarray | bool = False,
+        shaken: np.ndarray | float = 0.0,
     ) -> np.ndarray:
         """Return the step of each cell, us, in the cells' shape.
 
@@ -109,10 +112,7 @@ class Steps:
         factor = min(self.factor, MORE)
         most = np.where(flat, np.inf, factor * swing / FEWEST_STEPS)
         step = np.minimum(self.factor * step, most)
-        if not (np.any(speed) or np.any(shaken)):
-            return step
-        own = np.where(shaken, self.own_tightening[cells.device], 0.0)
-        own = own * shaken_speed(self.arch, cells)
+        own = shaken * self.own_tightening[cells.device] * shaken_speed(self.arch, cells)
         turn = step * np.sqrt(self.tightening[cells.device] * speed + own)
         return step / np.maximum(turn / (factor * STRIKE_TURN), 1.0)
 
@@ -178,19 +178,20 @@ def strikes(device: Device, cells: Cells, start: str) -> tuple[np.ndarray, np.nd
 
     It is 0 but in runs from the second shape, where no mass rests on the beam, and of a mass that
     a shock throws against its stops, or so far away that it may swing by RUN_UP rises.
-    Also returns in which cells the beam's own load counts: with stops, and after such a swing, only
-    shocks snap it that are far stronger than those that snap another beam.
+    Also returns by how much the beam's own load counts: with stops, and after such a swing, only
+    shocks snap it that are far stronger than those that snap another beam, as along -z one alone.
     """
     facts = np.array([(pulse.strikes, pulse.pulls) for pulse in cells.pulses])
     may_strike, pulled = np.moveaxis(facts[cells.pulse], -1, 0)
     stopped = np.broadcast_to(np.atleast_1d(device.has_stops)[cells.device], pulled.shape)
+    load = stopped + PULLED * (pulled & np.atleast_1d(device.is_alone)[cells.device])
     from_second = np.full(pulled.shape, start != FIRST)
     if not np.any(may_strike | from_second):
-        return np.zeros(pulled.shape), stopped
+        return np.zeros(pulled.shape), load
     speed = largest_speed(device, cells)
     swing = speed / np.atleast_1d(device.mass_frequency)[cells.device]
     far = pulled & (swing > np.atleast_1d(RUN_UP * device.beam.rise)[cells.device])
-    return np.where(from_second | may_strike & stopped | far, speed, 0.0), stopped | far
+    return np.where(from_second | may_strike & stopped | far, speed, 0.0), np.maximum(load, far)
 
 
 def largest_speed(device: Device, cells: Cells) -> np.ndarray:

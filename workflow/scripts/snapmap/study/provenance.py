@@ -25,10 +25,8 @@ _CODE = ".csv", ".html", ".js", ".mplstyle", ".py", ".svg"
 
 def _draws(path):
     """Tell whether a file of the package draws, and makes no numbers."""
-    parts = path.relative_to(_PACKAGE).parts
-    room, name = parts[0], parts[-1]
-    drawing = name == "figure.py" or path.suffix not in (".py", ".csv")
-    return room == "figures" or (room == "applications" and drawing)
+    is_of_figures = path.relative_to(_PACKAGE).parts[0] == "figures"
+    return is_of_figures or path.name == "figure.py" or path.suffix not in (".py", ".csv")
 
 
 _FILES = [

@@ -38,14 +38,14 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         positions.axhline(stop, color=MASS, linestyle="-.", linewidth=FINE, label=label)
     positions.set_ylabel("position (µm)")
     force.plot(time, history.contact_force, color=MASS, linewidth=FINE)
-    force.set_ylabel("contact force (µN)")
+    force.set_ylabel("contact\nforce (µN)")
     if "midpoint_force" in history:
         shock.plot(time, history.midpoint_force, color=MASS)
         shock.set_ylabel("force on the\nmidpoint (µN)")
     else:
         shock.plot(time, history.acceleration / history.gravity, color=MASS)
         shock.set_ylabel(f"acceleration\n({captions.multiples(history.attrs)})")
-    shock.set_xlabel("time after the start of the pulse (ms)")
+    shock.set_xlabel("time (ms)")
     snap = history.t_snap.item() / 1e3
     shown = history.w_mid, history.contact_force, shock.lines[0].get_ydata()
     for ax, values in zip(axes, shown, strict=True):
@@ -58,7 +58,7 @@ def draw_history(axes: Sequence[Axes], history: xr.Dataset) -> Sequence[Axes]:
         at = history.get("first_equilibrium", second)
         positions.plot(snap, at, **dot, label=f"snap at {snap:.4g} ms")
     positions.figure.align_ylabels(axes)
-    style.legend(positions.figure, positions.get_legend_handles_labels()[0], _caption(history), 5)
+    style.legend(positions, positions.get_legend_handles_labels()[0], _caption(history), 5)
     return axes
 
 
