@@ -3,7 +3,6 @@
 import functools
 import inspect
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import fields
@@ -21,7 +20,7 @@ from .solver.settings import FIRST
 from .study.axes import frequencies
 from .study.study import Study
 from .values.arguments import Reading, by_name, convert, one_time
-from .values.faults import Faults, WrongCall
+from .values.faults import Faults, WrongCall, warn
 from .values.kinds import argument_of
 from .values.records import shown
 from .values.units import OF_DAMPER
@@ -120,7 +119,7 @@ def _prepare(function: Callable, values: Mapping) -> Iterator[None]:
         yield
         return
     for line in _doubts(study, values):
-        warnings.warn(line, stacklevel=4)
+        warn(line)
     with counting(function.__name__):
         yield
 

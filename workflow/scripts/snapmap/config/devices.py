@@ -1,7 +1,6 @@
 """The sections of a device in a config, its measured shape, and how a device alone is read."""
 
 import math
-import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, fields, replace
 from os import PathLike
@@ -18,7 +17,7 @@ from ..files.named import naming, read_named
 from ..files.tables import read_table
 from ..numerics.linalg import apply, dot, multiply, solve
 from ..numerics.portable import sine
-from ..values.faults import Faults
+from ..values.faults import Faults, warn
 from ..values.kinds import Fitting, kind_of
 from ..values.quantities import ExistingPath, Quality
 from ..values.records import assemble, read, record
@@ -264,13 +263,12 @@ def load_device(source: Source) -> Device:
     if "device" not in document:
         raise Faults("device: missing; write a mapping: the beam, the mass and what they meet")
     section = read(DeviceSection, document["device"], "device")
-    lines = [f"device, {section.beam.measured}"] if section.beam.measured else []
+    if section.beam.measured:
+        warn(f"device, {section.beam.measured}")
     if section.quality_factor is not None:
-        lines.append(
+        warn(
             f"device.quality_factor: is C = {section.C:.6g} uN*us/um; pass this C to each function"
         )
-    for line in lines:
-        warnings.warn(line, stacklevel=3)
     return section.made
 
 

@@ -1,10 +1,9 @@
 """Forecasts of the time that runs take."""
 
-import warnings
-
 import numpy as np
 
 from ..files.text import plain
+from ..values.faults import warn
 from .cells import Cells
 from .models import Follows, Model
 from .settings import SHOWN, Run
@@ -20,17 +19,16 @@ JUMPS, DIES = 7.0, 46.0
 and the wait, over the time in which its energy falls to 1/e."""
 
 
-def tell(what: str, seconds: float, where: str, cure: str, stacklevel: int) -> None:
+def tell(what: str, seconds: float, where: str, cure: str) -> None:
     """Warn, in one line, of a task longer than WORTH_SAYING; ValueError beyond MOST_SECONDS.
 
     what: the task; where: its longest part; cure: what to write instead
-    stacklevel: as in `warnings.warn`
     """
     line = f"{what}: will take about {spoken(seconds)}, most of it at {where}"
     if seconds > MOST_SECONDS:
         raise ValueError(f"{line}; {cure}")
     if seconds > WORTH_SAYING:
-        warnings.warn(line, stacklevel=stacklevel + 1)
+        warn(line)
 
 
 def spoken(seconds: float) -> str:

@@ -246,4 +246,4 @@ def tell_cost(search: Search) -> None:
         seconds = OF_THRESHOLD * run_seconds(search.probe(search.models.decides))
         slowest, total = f"f0 = {f0[np.argmax(seconds)]:g} Hz", float(seconds.sum())
         cure = "write a higher f0 or a shorter horizon"
-        tell("thresholds", total / search.settings.threads, slowest, cure, stacklevel=3)
+        tell("thresholds", total / search.settings.threads, slowest, cure)

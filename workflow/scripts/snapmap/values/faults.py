@@ -1,6 +1,8 @@
 """Faults of a config or a call, one line each."""
 
+import inspect
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -23,6 +25,13 @@ class Faults(ValueError):
 
 class WrongCall(Faults, TypeError):
     """Faults of a call: of names and of values."""
+
+
+def warn(line: str) -> None:
+    """Warn, as if it arose there, in the line of the code that has called the package."""
+    names = [place.frame.f_globals["__name__"] for place in inspect.stack(0)]
+    ours = [depth for depth, name in enumerate(names) if name.startswith("snapmap.")]
+    warnings.warn(line, stacklevel=2 + ours[-1])
 
 
 def few(lines: Sequence[str]) -> list[str]:

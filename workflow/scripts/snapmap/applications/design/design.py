@@ -1,6 +1,5 @@
 """Design: the value of a device that gives a threshold or meets requirements."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -19,6 +18,7 @@ from ...study.study import ANY
 from ...thresholds.population import thresholds_at
 from ...thresholds.probe import near
 from ...values.arguments import Reading
+from ...values.faults import warn
 from ...values.kinds import Fitting, Pair, Word, kind_of
 from ...values.quantities import Damper, Frequency, Positive, PulseTime
 
@@ -237,7 +237,7 @@ def _single(searched, N, grid, N_first, values, errors):
     if values.size > 1:
         places = ", ".join(f"{place:.5g}" for place in values)
         line = f"{value}: thresholds {ends} are not monotone; at {places} {unit} they are {N:g}"
-        warnings.warn(line, stacklevel=5)
+        warn(line)
     return Design(float(values[0]), float(errors[0]))
 
 
@@ -254,7 +254,7 @@ def _windows(look, searched, grid, goals, N_first, error, met):
         (low, high) for low, high in pairwise(places) if all_met[low[3] + 1 : high[3] + 1].any()
     ]
     if not windows:
-        warnings.warn(_contradiction(searched, grid, names, met), stacklevel=5)
+        warn(_contradiction(searched, grid, names, met))
     attrs = attributes_of(*searched)
     data = {
         f"{side}{key}": ("window", [pair[j][k] for pair in windows], attrs if k < 2 else {})

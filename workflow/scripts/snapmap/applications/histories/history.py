@@ -1,7 +1,6 @@
 """One cell in full: motion, contact force and every energy over time."""
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -28,6 +27,7 @@ from ...study.axes import Grid, frequencies, rows_of
 from ...study.provenance import device_sections
 from ...study.study import Study
 from ...study.variables import dress
+from ...values.faults import warn
 from ...values.quantities import Amplitude, Damper, Frequency, PulseTime
 from .. import merge
 
@@ -178,7 +178,7 @@ def _cell(
     model = choose_model(study.device, study.model, study.start).levels[-1]
     moved = study.run.but(until=until)
     seconds = steps_and_seconds(model, cells, moved)[1].item()
-    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE, stacklevel=6)
+    tell("simulate", RECORDED * seconds, f"f0 = {f0:g} Hz", CURE)
     observed = model.follow(cells, moved)
     return model.with_step(math.ldexp(1.0, -observed.halvings.item())), cells, observed
 
@@ -296,11 +296,10 @@ def free_travel(device: Device, toward_max: float, away_max: float) -> float:
 def warn_of_travel(rises: float, where: str = "") -> None:
     """Warn, in one line, if the largest `free_travel` is beyond FARTHEST; where: in which runs."""
     if rises > FARTHEST:
-        warnings.warn(
+        warn(
             f"the mass travels up to {plain(rises, 3)} times the rise{where}, outside any package "
             f"(above {FARTHEST:g}): not valid; if the frame is nearer, write device.stop_toward, "
             "device.stop_away or both",
-            stacklevel=6,
         )
 
 

@@ -124,7 +124,7 @@ def tell_records(what: str, probe: Probe, pulse: Pulse, records: int) -> None:
     under = probe._replace(rows=rows, until="edge")
     seconds = PER_RECORD * records * float(run_seconds(under).sum()) / probe.settings.threads
     lasts = f"a record of {1e-6 * pulse.duration:.3g} s"
-    tell(what, seconds, lasts, "write a higher lowest frequency", stacklevel=6)
+    tell(what, seconds, lasts, "write a higher lowest frequency")
 
 
 def snap_times(
