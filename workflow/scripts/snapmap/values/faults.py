@@ -29,8 +29,8 @@ class WrongCall(Faults, TypeError):
 
 def warn(line: str) -> None:
     """Warn, as if it arose there, in the line of the code that has called the package."""
-    names = [place.frame.f_globals["__name__"] for place in inspect.stack(0)]
-    ours = [depth for depth, name in enumerate(names) if name.startswith("snapmap.")]
+    names = [place.frame.f_globals.get("__name__") for place in inspect.stack(0)]
+    ours = [depth for depth, name in enumerate(names) if str(name).startswith("snapmap.")]
     warnings.warn(line, stacklevel=2 + ours[-1])
 
 
