@@ -63,19 +63,11 @@ def linear(colour):
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-BLIND = {
-    "protan": [[0.1523, 1.0526, -0.2049], [0.1145, 0.7863, 0.0992], [-0.0039, -0.0481, 1.0520]],
-    "deutan": [[0.3673, 0.8607, -0.2280], [0.2801, 0.6725, 0.0474], [-0.0118, 0.0429, 0.9689]],
-    "tritan": [[1.2555, -0.0767, -0.1788], [-0.0784, 0.9308, 0.1476], [0.0047, 0.6914, 0.3039]],
-}
-"""Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB."""
-
-
 @pytest.mark.parametrize("states", [S.STATES, S.SNAPS])
 def test_states_differ_in_grey_and_to_the_colour_blind_and_lines_in_grey(states):
     for a, b in itertools.combinations([linear(state.colour) for state in states], 2):
         assert abs(lab(a)[0] - lab(b)[0]) > 11.5
-        assert all(np.linalg.norm(lab(eye @ a) - lab(eye @ b)) > 11.5 for eye in BLIND.values())
+        assert all(np.linalg.norm(lab(eye @ a) - lab(eye @ b)) > 11.5 for eye in BLIND)
     assert (np.diff([lab(linear(colour))[0] for colour, _ in curves.LOOKS[:3]]) > 11.5).all()
 
 
@@ -316,7 +308,7 @@ def test_shocks_stand_where_they_are_and_names_are_no_mathematics():
 
 
 COLUMNS = "N,f0 (Hz),name,snapped\n1000,400,bench,yes\n\n1100,800,,NO\n900,1e3,,\n"
-FAULTS = cases_of(__file__)
+FAULTS, BLIND = cases_of(__file__).values()
 READ = {COLUMNS: (*POINTS, Point("", 900.0, 1000.0, None))}
 READ["duration,N\n0.5,70\n"] = (Point("", 70.0, 2e3, None),)
 

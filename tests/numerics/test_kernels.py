@@ -6,29 +6,14 @@ import sys
 
 import pytest
 from numba import njit
+from small_studies import cases_of
 
 import snapmap
 from snapmap import Study
 from snapmap.numerics.kernels import _hash, compiled
 from snapmap.solver.kernel import lanes, trace
 
-OUTER = """
-import numba
-from snapmap.numerics.kernels import compiled
-from inner import factor
-
-@compiled
-def scaled(x):
-    return factor(x) * x
-
-print(scaled(2.0), sum(scaled.stats.cache_hits.values()), numba.config.CACHE_DIR)
-"""
-INNER = """
-from numba import njit
-
-@njit
-def factor(x):
-"""
+OUTER, INNER = cases_of(__file__).values()
 
 
 @pytest.mark.parametrize(

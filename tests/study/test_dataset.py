@@ -6,15 +6,11 @@ import sys
 
 import numpy as np
 import xarray as xr
+from small_studies import cases_of
 
 from snapmap.study.variables import as_dataset
 
-FIRST = """
-import sys, snapmap
-study = snapmap.Study(snapmap.load_device("config/config.yaml"), model="cosines")
-snapmap.threshold(study, 1500, 25)
-print({"dask", "pint"} & {*sys.modules})
-"""
+(FIRST,) = cases_of(__file__).values()
 
 
 def test_a_dataset_is_that_of_xarray():

@@ -9,22 +9,12 @@ import warnings
 
 import psutil
 import pytest
+from small_studies import cases_of
 from small_workflow import wait_for
 
 from snapmap.workflow.job_log import job_log
 
-JOB = """
-import os, sys, time
-from types import SimpleNamespace
-from snapmap.workflow.job_log import RUN, run_rule
-
-class Files(list):
-    items = dict().items
-
-os.environ[RUN] = str(os.getppid())
-job = {"wildcards": {}, "params": {}, "input": Files(), "output": Files(["made"])}
-run_rule(lambda: time.sleep(600), SimpleNamespace(**job, threads=1, log=["log"]), dict)
-"""
+(JOB,) = cases_of(__file__).values()
 
 
 def test_a_job_ends_with_its_run(root, tmp_path):

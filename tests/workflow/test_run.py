@@ -10,38 +10,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from small_studies import cases_of
 from small_workflow import wait_for
 
 ROOT = Path(__file__).resolve().parents[2]
-
-# Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.
-MAKE_VENV = """
-echo "$venv" >>"$fakes/venvs"
-mkdir -p "$venv/bin"
-cp "$fakes/python3" "$venv/bin/python"
-echo '#!/bin/sh' >"$venv/bin/uv"
-chmod +x "$venv/bin/uv"
-if [ -f "$fakes/fault" ]; then . "$fakes/fault"; fi
-"""
-# A file beside it named `change` holds Python code that runs before what is asked.
-FAKE_PYTHON = f"""#!/bin/sh
-fakes='@fakes@' venv=$3
-case "$1 $2" in
-"-m venv") {MAKE_VENV} ;;
-"-m pip") if [ "$5" = --target ]; then mkdir -p "$6/bin"; cp "$fakes/found" "$6/bin/uv"; fi ;;
-"-c "*)
-    shift
-    exec '{sys.executable}' -c "import sys; $(cat "$fakes/change"); exec(sys.argv.pop(1))" "$@" ;;
-"-ISc "*) [ ! -f "$fakes/broken" ] ;;
-*) exec '{sys.executable}' "$@" ;;
-esac
-"""
-FAKE_UV = f"""#!/bin/sh
-fakes='@fakes@'
-for venv; do :; done
-{MAKE_VENV}
-"""
-
+MAKE_VENV, FAKE_PYTHON, FAKE_UV = cases_of(__file__).values()
 LOCK = "locks/requirements.lock"
 
 
@@ -61,7 +34,8 @@ class Clone:
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
 
     def fake(self, name, text):
-        (self.fakes / name).write_text(text.replace("@fakes@", str(self.fakes)))
+        known = f"#!/bin/sh\nfakes='{self.fakes}' python='{sys.executable}'\n{MAKE_VENV}"
+        (self.fakes / name).write_text(known + text)
         (self.fakes / name).chmod(0o755)
 
     def change(self, python_code):
@@ -167,8 +141,7 @@ def test_run_installs_once_and_beside_after_lock_path_or_python_change(clone, tm
 def test_what_anything_writes_installs_nothing_anew(clone):
     clone.run("true")
     for name in ("python3", "../clone/.venv/bin/python"):
-        text = (clone.fakes / name).read_text()
-        clone.fake(name, text.replace("\n", "\necho noise; echo noise >&2\n", 1))
+        clone.fake(name, f"echo noise; echo noise >&2\n{FAKE_PYTHON}")
     clone.environment["LD_PRELOAD"] = "/nonexistent.so"
     assert "installing" not in clone.run("true").stderr
     del clone.environment["LD_PRELOAD"]
@@ -237,7 +210,7 @@ NEITHER = "sys.modules.update(ensurepip=None, pip=None)"
 def test_a_fault_is_one_line(clone, change):
     runs = {"no command given": clone.run()}
     clone.change(change)
-    clone.fake("uv", "#!/bin/sh\necho no network >&2\nexit 1\n")
+    clone.fake("uv", "echo no network >&2\nexit 1\n")
     runs["apt install python3-venv (Debian, Ubuntu)"] = clone.run("true")
     for words, done in runs.items():
         (line,) = done.stderr.splitlines()
@@ -256,7 +229,7 @@ def test_uv_makes_the_venv_where_no_python_can(clone, change, name):
 
 def test_a_newer_python_than_was_tested_is_said_to_be_untested_and_taken(clone):
     clone.change(NEW)
-    clone.fake("uv", "#!/bin/sh\nexit 1\n")
+    clone.fake("uv", "exit 1\n")
     done = clone.run("echo", "reached")
     assert done.stdout == "reached\n" and "is untested" in done.stderr.splitlines()[0]
 

@@ -35,12 +35,11 @@ from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.cells import to_cells, to_rows
+from snapmap.solver.cells import to_cells
 from snapmap.solver.models import build_model, follow_twice
-from snapmap.solver.options import Auto, Cosines
+from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
-from snapmap.thresholds import population as batches
 
 CASES = cases_of(__file__)
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
@@ -113,10 +112,6 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
-    rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, Auto(), rows, Run())
-    assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
-    assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
