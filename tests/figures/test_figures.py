@@ -3,11 +3,8 @@
 import json
 import os
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
-import draw
 import numpy as np
 import pytest
 import small_results
@@ -252,21 +249,15 @@ def test_thresholds_have_bars_gaps_and_islands():
 
 
 @pytest.mark.parametrize("processes", [1, 2])
-def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
-    code = CASES["side by side"].format(processes)
-    scripts = str(Path(draw.__file__).parent)
-    environment = os.environ | {"PYTHONPATH": scripts, "OPENBLAS_NUM_THREADS": "1"}  # as of a job
+def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(python, tmp_path, processes):
     no_forks = "-Werror::DeprecationWarning:multiprocessing.popen_fork"
-    command = [sys.executable, no_forks, "-c", code]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("told\n", "")
+    program = CASES["side by side"].format(processes)
+    assert python(program, options=[no_forks], cwd=tmp_path) == ("told\n", "")
 
 
-def test_what_draws_needs_no_kernel_no_pyplot_and_no_dask(root):
+def test_what_draws_needs_no_kernel_no_pyplot_and_no_dask(python):
     code = "import sys, draw; print({'numba', 'matplotlib.pyplot', 'dask.array'} & {*sys.modules})"
-    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", code]
-    assert subprocess.check_output(command, env=environment, text=True) == "set()\n"
+    assert python(code) == ("set()\n", "")
 
 
 def test_a_figure_on_a_full_disk_is_one_line(tmp_path, monkeypatch):

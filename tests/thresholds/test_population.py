@@ -52,10 +52,8 @@ def test_thresholds_of_samples_are_places_of_one_lattice(handout, ends, nominal,
     rows = to_rows(0, [1.0, 2.0], C[:, np.newaxis])
     probe = Probe(Known(batch([handout]), ends), rows, SETTINGS)
     nominal = np.array([2 * nominal, np.nan])
-    (N, lost), ragged = (
-        np.transpose(part)
-        for part in population.thresholds_of_samples(probe, deviations, nominal, 1e-3)
-    )
+    N, ragged = population.thresholds_of_samples(probe, deviations, nominal, 1e-3)
+    N, lost = N.T
     assert np.isnan(lost).all() and ragged.tolist() == [is_ragged, False]
     assert (np.isnan(N) if np.isnan(first) else abs(N / (2 * first * C) - 1.0005) < 6e-4).all()
     steps = np.log(N / (nominal[0] / 30)) / np.log1p(1e-3)
