@@ -98,23 +98,9 @@ def test_the_study_of_the_handout_is_exact():
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
 
 
-READ = """
-import sys
-from snapmap.applications import refuse_all
-from snapmap.config.devices import load_device
-from snapmap.applications.whole import load_config
-from snapmap.config.yaml_file import read_document
-
-for name in ("config", "handout", "sensor", "arm"):
-    refuse_all(load_config(read_document(f"config/{name}.yaml")))
-print({"numba", "pint", "xarray"} & {*sys.modules}, load_device("config/config.yaml").beam.span)
-load_config({"device": 3})
-"""
-
-
 def test_the_configs_are_read_alone_by_a_python_without_docstrings():
     environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow" / "scripts")}
-    command = [sys.executable, "-OO", "-c", READ]
+    command = [sys.executable, "-OO", "-c", CASES["read"]]
     run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert run.stdout == "set() 600.0\n", run.stderr
     assert "\ndevice: 3 is not a mapping\n" in run.stderr

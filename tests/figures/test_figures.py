@@ -261,25 +261,11 @@ def test_thresholds_have_bars_gaps_and_islands():
 
 @pytest.mark.parametrize("processes", [1, 2])
 def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
-    code = f"""if True:
-        import draw, pathlib
-        here, seen = pathlib.Path.cwd(), []
-        tasks = [here.joinpath(str(number)).touch for number in range(5)]
-        draw.side_by_side(tasks, {processes}, lambda: seen.append(1))
-        assert len([*here.iterdir()]) == 5 and seen
-        try:
-            draw.side_by_side([here.joinpath("nowhere", "file").touch], {processes}, int)
-        except FileNotFoundError:
-            print("told")"""
+    code = CASES["side_by_side"].format(processes=processes)
     scripts = str(Path(draw.__file__).parent)
     environment = os.environ | {"PYTHONPATH": scripts, "OPENBLAS_NUM_THREADS": "1"}  # as of a job
-    command = [
-        sys.executable,
-        "-W",
-        "error::DeprecationWarning:multiprocessing.popen_fork",
-        "-c",
-        code,
-    ]
+    warned = "error::DeprecationWarning:multiprocessing.popen_fork"
+    command = [sys.executable, "-W", warned, "-c", code]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("told\n", "")
 

@@ -181,27 +181,12 @@ def test_a_file_system_without_locks_is_named(tmp_path, monkeypatch, code):
     assert hold(tmp_path / "running") == os.strerror(code)
 
 
-OPENED = """
-import ctypes, sys
-{first}
-import snapmap
-from snapmap.study.variables import write
-cube = snapmap.open_cube(sys.argv[1])
-write(cube[["t_snap"]], sys.argv[1] + ".nc")
-"""
-FLOCK = """
-#include <errno.h>
-#include <fcntl.h>
-int flock(int file, int how) { errno = ENOLCK; return -1; }
-"""
-
-
 @pytest.fixture
 def no_locks(tmp_path):
     """An environment in which no file can be locked."""
     if not shutil.which("gcc"):
         pytest.skip("no compiler is here")
-    (source := tmp_path / "flock.c").write_text(FLOCK)
+    (source := tmp_path / "flock.c").write_text(cases_of(__file__)["flock"])
     library = tmp_path / "flock.so"
     subprocess.run(["gcc", "-shared", "-fPIC", "-o", library, source], check=True)
     environment = os.environ | {"LD_PRELOAD": str(library)}
@@ -213,7 +198,7 @@ def test_without_locks_files_are_read_and_written_or_the_remedy_is_named(cube, t
     write(cube, path := tmp_path / "cube.nc")
 
     def opened(first):
-        command = [sys.executable, "-c", OPENED.format(first=first), path]
+        command = [sys.executable, "-c", cases_of(__file__)["opened"].format(first=first), path]
         return subprocess.run(command, env=no_locks, stderr=subprocess.PIPE, text=True).stderr
 
     assert opened("") == "" and (tmp_path / "cube.nc.nc").exists()

@@ -6,15 +6,9 @@ import sys
 
 import numpy as np
 import xarray as xr
+from small_studies import cases_of
 
 from snapmap.study.variables import as_dataset
-
-FIRST = """
-import sys, snapmap
-study = snapmap.Study(snapmap.load_device("config/config.yaml"), model="cosines")
-snapmap.threshold(study, 1500, 25)
-print({"dask", "pint"} & {*sys.modules})
-"""
 
 
 def test_a_dataset_is_that_of_xarray():
@@ -35,6 +29,6 @@ def test_a_dataset_is_that_of_xarray():
 
 def test_a_threshold_imports_neither_dask_nor_pint(root):
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", FIRST]
+    command = [sys.executable, "-c", cases_of(__file__)["first"]]
     said = subprocess.check_output(command, cwd=root, env=environment, text=True)
     assert said == "set()\n"

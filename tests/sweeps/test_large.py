@@ -8,25 +8,13 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from small_studies import cases_of
 
 from snapmap.files.atomic import seal
 from snapmap.solver.outcome import LATCHED, NEVER
 
 AXES = {"C": np.linspace(0.5, 50, 100), "f0": np.geomspace(100, 30e3, 1000)}
 AXES |= {"N": np.linspace(600, 2400, 1000)}
-COLLECT = """
-import resource
-import sys
-from pathlib import Path
-from types import SimpleNamespace
-import numpy as np
-from jobs import collect
-folder, axes, cube = sys.argv[1:]
-document = {"run": {"horizon": "1 us"}, "model": {"name": "cosines"}}
-study = SimpleNamespace(axes=dict(np.load(axes)), document=lambda: document)
-collect(study, sorted(Path(folder).glob("*.nc")), cube, "of no code")
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
-"""
 
 
 def values(C, f0, N):
@@ -53,7 +41,7 @@ def test_collecting_takes_less_than_a_gibibyte(root, tmp_path):
     np.savez(folder / "axes.npz", **AXES)
     paths = tmp_path, folder / "axes.npz", folder / "cube.nc"
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", COLLECT, *paths]
+    command = [sys.executable, "-c", cases_of(__file__)["collect"], *paths]
     peak = subprocess.check_output(command, env=environment, text=True).splitlines()[-1]
     assert float(peak) < 1
     with xr.open_dataset(folder / "cube.nc") as whole:

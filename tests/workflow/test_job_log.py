@@ -9,27 +9,16 @@ import warnings
 
 import psutil
 import pytest
+from small_studies import cases_of
 from small_workflow import wait_for
 
 from snapmap.workflow.job_log import job_log
 
-JOB = """
-import os, sys, time
-from types import SimpleNamespace
-from snapmap.workflow.job_log import RUN, run_rule
-
-class Files(list):
-    items = dict().items
-
-os.environ[RUN] = str(os.getppid())
-job = {"wildcards": {}, "params": {}, "input": Files(), "output": Files(["made"])}
-run_rule(lambda: time.sleep(600), SimpleNamespace(**job, threads=1, log=["log"]), dict)
-"""
-
 
 def test_a_job_ends_with_its_run(root, tmp_path):
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    start = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {JOB!r}])"
+    job = cases_of(__file__)["job"]
+    start = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {job!r}])"
     run = subprocess.Popen([sys.executable, "-c", start], cwd=tmp_path, env=environment)
     assert wait_for((tmp_path / "log").exists)
     (job,) = psutil.Process(run.pid).children()

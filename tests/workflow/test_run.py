@@ -10,38 +10,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from small_studies import cases_of
 from small_workflow import wait_for
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Notes each venv that it is asked for; a file beside it named `fault` holds shell code to run then.
-MAKE_VENV = """
-echo "$venv" >>"$fakes/venvs"
-mkdir -p "$venv/bin"
-cp "$fakes/python3" "$venv/bin/python"
-echo '#!/bin/sh' >"$venv/bin/uv"
-chmod +x "$venv/bin/uv"
-if [ -f "$fakes/fault" ]; then . "$fakes/fault"; fi
-"""
-# A file beside it named `change` holds Python code that runs before what is asked.
-FAKE_PYTHON = f"""#!/bin/sh
-fakes='@fakes@' venv=$3
-case "$1 $2" in
-"-m venv") {MAKE_VENV} ;;
-"-m pip") if [ "$5" = --target ]; then mkdir -p "$6/bin"; cp "$fakes/found" "$6/bin/uv"; fi ;;
-"-c "*)
-    shift
-    exec '{sys.executable}' -c "import sys; $(cat "$fakes/change"); exec(sys.argv.pop(1))" "$@" ;;
-"-ISc "*) [ ! -f "$fakes/broken" ] ;;
-*) exec '{sys.executable}' "$@" ;;
-esac
-"""
-FAKE_UV = f"""#!/bin/sh
-fakes='@fakes@'
-for venv; do :; done
-{MAKE_VENV}
-"""
-
+FAKES = cases_of(__file__)
 LOCK = "locks/requirements.lock"
 
 
@@ -55,13 +29,15 @@ class Clone:
         shutil.copy(ROOT / "run", folder)
         (folder / LOCK).write_text("# nothing\n")
         for name in ("python3", *(f"python3.{minor}" for minor in range(11, 15))):
-            self.fake(name, FAKE_PYTHON)
+            self.fake(name, FAKES["python"])
+        self.fake("make_venv", FAKES["make_venv"])
         self.change("pass")
         path = f"{self.fakes}:/usr/bin:/bin"
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
 
     def fake(self, name, text):
-        (self.fakes / name).write_text(text.replace("@fakes@", str(self.fakes)))
+        text = text.replace("@fakes@", str(self.fakes)).replace("@python@", sys.executable)
+        (self.fakes / name).write_text(text)
         (self.fakes / name).chmod(0o755)
 
     def change(self, python_code):
@@ -248,7 +224,7 @@ def test_a_fault_is_one_line(clone, change):
 def test_uv_makes_the_venv_where_no_python_can(clone, change, name):
     """One on PATH, or the one that pip brings."""
     clone.change(change)
-    clone.fake(name, FAKE_UV)
+    clone.fake(name, FAKES["uv"])
     done = clone.run("echo", "reached")
     assert done.stdout == "reached\n" and "run: installing" in done.stderr
     assert clone.venvs_made() == [str(clone.folder / ".venv")]
