@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from math import fsum, log, pi, sqrt
+from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -17,6 +19,10 @@ from snapmap.applications.electrode.closures import CLOSING, Closures, closures_
 from snapmap.applications.electrode.required import DEMANDS, judge_closing
 from snapmap.applications.histories.history import observed_of
 from snapmap.applications.whole import load_config
+from snapmap.solver.adaptive import choose_model
+from snapmap.solver.cells import Cells, no_observations, to_cells
+from snapmap.solver.options import Cosines
+from snapmap.solver.settings import Run
 from snapmap.study.study import Study
 from snapmap.sweeps.cube import sweep as core_sweep
 from snapmap.values.faults import Faults
@@ -132,6 +138,52 @@ def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     fallen = run.isel(time=slice(0, int(run.w_mid.values.argmin()) + 1))
     first = np.interp(5.0, -fallen.w_mid, fallen.time)
     assert run.t_closed == pytest.approx(first, abs=0.01)
+
+
+def test_a_window_has_a_closure_before_its_end_and_none_after_it(device):
+    model, settings = choose_model(device, Cosines(modes=3)).levels[-1], Run(horizon=HORIZON)
+    cells = to_cells(device, [0] * 9, np.arange(1000, 1900, 100), 1500.0, 25.0, HORIZON)
+    closed = lambda end: closures.follow_closures(model, cells, end, settings)["t_closed"]  # noqa: E731
+    first = closed(cells.t_end)
+    assert (closed(first + 1e-9) == first).all() and np.isnan(closed(first - 1e-9)).all()
+
+
+class Level(NamedTuple):
+    """A level of a model of three; the last of its devices has no electrode."""
+
+    number: int = 0
+    step: float = 1.0
+    device = np.rec.array([(-5.0,), (-3.0,), (-np.inf,)], [("contact_at", float)])
+    barrier = SimpleNamespace(first=12.0, midpoint=-16.0)
+    levels = property(lambda self: [Level(number) for number in range(3)])
+    with_step = lambda self, factor: self._replace(step=factor)  # noqa: E731
+    split = lambda self, device: [(np.full(device.shape, True), self)]  # noqa: E731
+
+
+@pytest.mark.parametrize("start", ["first", "second"])
+def test_a_cell_is_followed_again_as_it_was_decided_until_it_stays_above(monkeypatch, start):
+    """A failed one is not followed, and one that snaps is at the finest level."""
+
+    def follow(part, cells, window, settings):
+        how = window, part.step + 0 * window, part.number + 0 * window, cells.amplitude
+        return dict.fromkeys(CLOSING, np.nan) | dict(zip(Closures._fields, how, strict=True))
+
+    monkeypatch.setattr(closures, "follow_closures", follow)
+    table = np.array(CASES["again"], float).reshape(2, -1, 9)
+    which, level, halvings, t_snap, well, t_settled, error, *expected = np.moveaxis(table, -1, 0)
+    seen = no_observations(which.shape)._replace(t_snap=t_snap, well=well, t_settled=t_settled)
+    is_first, halvings = start == "first", halvings.astype(np.int8)
+    seen = seen._replace(energy_error=error, halvings=halvings, level=level.astype(np.int8))
+    if not is_first:
+        seen, expected[1] = seen._replace(level=None), np.where(t_snap > 0, 2, 0 * expected[1])
+    which, amplitude = which.astype(int), 1.0 + np.arange(which.size).reshape(which.shape)
+    cells = Cells(which, 0 * which, *[amplitude] * 3, 100.0 + 0 * amplitude, ())
+    found = closures.closures_again(Level(), cells, seen, Run(start=start))
+    known = np.isfinite(expected[0])
+    expected = np.where(is_first, expected[0], 100.0), 0.5**halvings, expected[1], amplitude
+    for key, values in zip(Closures._fields, expected, strict=True):
+        assert found[key].dtype == np.float32
+        np.testing.assert_allclose(found[key], np.where(known, values, np.nan), rtol=1e-6)
 
 
 def test_devices_of_a_study_have_an_electrode_or_none():
