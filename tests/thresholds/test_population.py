@@ -7,7 +7,6 @@ import pytest
 from known_model import STAYS, Known
 from small_studies import cases_of
 
-from snapmap import Study
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
@@ -148,42 +147,3 @@ class TestBatch:
         latches = np.fmax(STAYS * exact[:3], first + 0 * exact[:3])[..., np.newaxis] <= N
         counts = made.latched(first, N, self.rows, SETTINGS)
         np.testing.assert_array_equal(counts, latches.sum(axis=0))
-
-    def test_the_stress_of_a_sample_is_the_largest_of_all_shocks(self, made, handout, monkeypatch):
-
-        def stress(device, model, cells, run):
-            N = cells.amplitude / device.gravity[cells.device]
-            return N * cells.damping * cells.f0 * (1 + cells.pulse % 3)
-
-        monkeypatch.setattr(population, "largest_stress", stress)
-        shocks = make_shocks(["half sine", "sawtooth"], ["+z", "-z"])
-        shock = Shock(name="drop", N=8.0, f0=3e6, shocks=shocks, snaps=True)
-        values = {key: column[[0, 2, 3], np.newaxis] for key, column in VALUES.items()}
-        largest = 3 * 8.0 * values["N"] * [2.0, 5.0] * values["C"] * 3.0 / values["duration"]
-        found = made[0].stresses(Study(handout), shock, np.array([2.0, 5.0]))
-        np.testing.assert_allclose(found, largest)
-
-
-def test_thresholds_of_any_values_are_found_where_a_second_shape_is(handout, monkeypatch):
-    """Of a grid some rows are surfaces of those that are searched."""
-    asked = []
-
-    def found(search, parts):
-        rows, device, _ = search.rows, search.models, asked.append(parts)
-        N = device.beam.thickness[rows.device] * rows.f0 * rows.C * (1 + rows.pulse)
-        return {"N_first": N, "N_error": 2 * N}
-
-    monkeypatch.setattr(population, "choose_survey", lambda devices, model, start: devices)
-    monkeypatch.setattr(population, "find_thresholds", found)
-    monkeypatch.setattr(population, "tell_cost", lambda search: None)
-    study = Study(handout, pulse=["half sine", "sawtooth"])
-    values, axes = {"thickness": np.array([1.9, 9.0, 2.1, 2.0])}, [np.arange(2.0)] * 2
-    exact = 150.0 * values["thickness"] * [1, np.nan, 1, 1]
-    N, error, exists = population.thresholds_at(study, values, 3.0, 25.0, 1, axes)
-    np.testing.assert_allclose([N, error], [exact, 2 * exact])
-    ((numbers, given),) = asked.pop()
-    assert exists.tolist() == [True, False, True, True] and given is axes
-    assert numbers.tolist() == [[[0, -1], [1, 2]]]
-    population.thresholds_at(study, values, 3.0, np.arange(1.0, 5.0))
-    nothing = population.thresholds_at(study, {"thickness": np.array([9.0])}, 3.0, 25.0)
-    assert asked == [[]] and np.isnan(nothing[:2]).all() and not nothing[2].any()

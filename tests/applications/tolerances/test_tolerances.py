@@ -30,15 +30,9 @@ from snapmap.applications.tolerances.dataset import (
     tolerances_of,
 )
 from snapmap.applications.whole import load_config
-from snapmap.device.device import batch
 from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
-from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.cells import to_cells
-from snapmap.solver.models import build_model, follow_twice
-from snapmap.solver.options import Cosines
-from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
 
 CASES = cases_of(__file__)
@@ -184,27 +178,6 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     kept = snapmap.threshold(Study(handout, pulse="half sine", **CHEAP), [2000.0], [25.0])
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
-
-
-def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
-    """At four times the threshold all arrive, and as many stay as one by one, in both steps."""
-    light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
-    shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
-    musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
-    asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
-    how, rows = {"model": "3 cosines", "horizon": 4000.0}, ([2000.0], [25.0])
-    how = Study(light, **how), {"thickness": {"uniform": "1 %"}}, *rows
-    made, ends = snapmap.tolerance(*how, samples=32, requirements=asked), []
-    for value in made.thickness.values:
-        model = build_model(batch([varied(light, thickness=value)]), Cosines(modes=3))
-        shock = [5600.0], 2000.0, 25.0, 4000.0, 0, [make_pulse("half sine")]
-        cell = to_cells(model.device, 0, *shock)
-        runs = follow_twice(model, cell, Run(horizon=4000.0).but(until="end"))
-        ends += [run.well.item() == 2 for run in runs]
-    stay = np.mean(ends)
-    assert 0.1 < stay < 0.95
-    np.testing.assert_allclose(made.share_meeting.squeeze("C"), [stay, 1.0, 0.0, 1.0])
-    assert made.must_snap.values.tolist() == [1, 3, 0, 2] and made["yield"].item() == 0.0
 
 
 def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
