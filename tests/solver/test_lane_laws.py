@@ -95,10 +95,7 @@ def test_stops_and_a_hard_contact_go_with_a_law_of_damping(handout):
 @pytest.mark.equation(13)
 @pytest.mark.parametrize(
     ("damping", "contact", "C"),
-    [
-        ("cubic_damping", "hertzian_contact", 4000.0),
-        ("squeeze_film", "fixed_mass", 200.0),
-    ],
+    [("cubic_damping", "hertzian_contact", 4000.0), ("squeeze_film", "fixed_mass", 200.0)],
 )
 def test_the_examples_of_laws_move_as_scipy_says(handout, root, damping, contact, C):
     """And come closer to it with the square of the step."""
