@@ -44,10 +44,8 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     axes = {"mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}, "C": ["1 mN*s/m", "2 kg/s"]}
     swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
     swept |= {"sweep__temperature": ["-40 degC", "125 degC"], "requirements": [shock]}
-    assert [*window.application.figures(load_config(changed(**swept)))["window"]["units"]] == [
-        "mass",
-        "C",
-    ]
+    figures = window.application.figures(load_config(changed(**swept)))
+    assert [*figures["window"]["units"]] == ["mass", "C"]
     units = {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3), "contact": ("uN/um", 1.0)}
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 

@@ -28,8 +28,6 @@ from snapmap.solver.options import Cosines
 from snapmap.study.variables import write
 from snapmap.thresholds.summary import write_thresholds
 
-CASES = cases_of(__file__)
-
 
 @pytest.fixture(scope="module")
 def study(handout):
@@ -56,7 +54,7 @@ def test_each_threshold_is_a_row(handout, tmp_path):
         assert row["duration"] in ("2.0", "0.7")
 
 
-@pytest.mark.parametrize(("value", "shown", "told"), CASES["values"])
+@pytest.mark.parametrize(("value", "shown", "told"), cases_of(__file__)["values"])
 def test_a_value_is_shown_in_a_short_line(value, shown, told):
     assert (text.show(value), text.describe(value)) == (shown, told)
 
@@ -65,8 +63,8 @@ def test_what_is_no_plain_data_is_shown_by_its_type_and_a_path_as_text(tmp_path)
     values = np.float64(2.5), object(), print, Path("a b"), 10**5000, 3 + 4j
     words = "2.5", "an object", "a builtin_function_or_method", "'a b'", "a number of thousands of"
     assert [*map(text.show, values)] == [*words[:-1], f"{words[-1]} digits", "(3+4j)"]
-    plain = [text.plain(number) for number in (123456.0, 1e-12, 1.23456)]
-    assert plain == ["123500", "1e-12", "1.235"]
+    numbers = [text.plain(number) for number in (123456.0, 1e-12, 1.23456)]
+    assert numbers == ["123500", "1e-12", "1.235"]
     assert [*map(text.is_title, ("a" * 60, "a" * 61, "_a", 3))] == [True, False, False, False]
     assert [*text.leaves({"a": {"b": 1}, "c": None})] == [("a.b", "1"), ("c", "None")]
 
@@ -185,7 +183,7 @@ def no_locks(tmp_path):
     """An environment in which no file can be locked."""
     if not shutil.which("gcc"):
         pytest.skip("no compiler is here")
-    (source := tmp_path / "flock.c").write_text(CASES["no locks"])
+    (source := tmp_path / "flock.c").write_text(cases_of(__file__)["flock"])
     library = tmp_path / "flock.so"
     subprocess.run(["gcc", "-shared", "-fPIC", "-o", library, source], check=True)
     environment = os.environ | {"LD_PRELOAD": str(library)}
@@ -197,7 +195,7 @@ def test_without_locks_files_are_read_and_written_or_the_remedy_is_named(cube, t
     write(cube, path := tmp_path / "cube.nc")
 
     def opened(first):
-        command = [sys.executable, "-c", CASES["opens"].format(first=first), path]
+        command = [sys.executable, "-c", cases_of(__file__)["opened"].format(first=first), path]
         return subprocess.run(command, env=no_locks, stderr=subprocess.PIPE, text=True).stderr
 
     assert opened("") == "" and (tmp_path / "cube.nc.nc").exists()

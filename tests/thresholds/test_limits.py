@@ -59,11 +59,11 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
         energy = 192 * beam.stiffness_unit * (beam.rise - beam.second_equilibrium) ** 2 / 2
     model = build_model(batch([device]), Cosines(modes=18))
     assert (model.barrier.energy.item() == 0) == tilts_out
-    slow, fast = least_amplitudes(model, to_rows(0, [10.0, 1e5], 25.0))
+    low, high = least_amplitudes(model, to_rows(0, [10.0, 1e5], 25.0))
     by_sag = np.sqrt(energy / 2 / compliance(handout)) / 2 / handout.gravity
-    assert slow == pytest.approx(by_sag, rel=1e-5)
+    assert low == pytest.approx(by_sag, rel=1e-5)
     speed = np.sqrt(2 * energy / (handout.mass + beam.weight))
-    assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
+    assert high == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from snapmap.applications.spectra import srs
 from snapmap.applications.spectra import trips as spectra_trips
 from snapmap.applications.spectra.psd import Density, Spectrum
 from snapmap.applications.spectra.required import RequiredSpectrum, RequiredVibration
-from snapmap.applications.spectra.srs import level
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.vibration import RUNG, _climb, _level, _rates, fit_rates
 from snapmap.values.kinds import kind_of
@@ -58,7 +57,7 @@ def test_a_record_meets_its_spectrum_as_another_method_sees_it():
     assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
     drawn = srs.record(srs.check_points(CRASH), [1, 0])
     spectrum = spectrum_by_states(*samples(drawn), f)
-    deviation = 20 * np.log10(spectrum / level(CRASH, f))
+    deviation = 20 * np.log10(spectrum / srs.level(CRASH, f))
     np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
     assert abs(deviation).max() < srs.BAND == 3.0 and deviation.std() < 1.5
     assert drawn.pulse.duration < 1e6 * 11 / 100
@@ -72,7 +71,7 @@ def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
     for number in range(2):
         drawn = srs.record(srs.check_points(NOTCH), [7, number])
         spectrum = spectrum_by_states(*samples(drawn), f)
-        assert abs(20 * np.log10(spectrum / level(NOTCH, f))).max() < 3.1
+        assert abs(20 * np.log10(spectrum / srs.level(NOTCH, f))).max() < 3.1
         duration.append(drawn.pulse.duration)
     assert max(duration) < 1e6 * 11 / 150  # twice 11 half periods
     deep = [(f, by * (0.2 if f == 840 else 1)) for f, by in NOTCH]
@@ -193,8 +192,8 @@ def test_an_oscillator_answers_as_miles_and_rice_say():
     answer = np.fft.irfft(transfer * np.fft.rfft(a), a.size)
     rms = math.sqrt(np.pi / 2 * f * Q * S)
     assert answer.std() == pytest.approx(rms, rel=0.06)
-    level = 2 * answer.std()
-    crossings = np.count_nonzero((answer[:-1] < level) & (answer[1:] >= level))
+    height = 2 * answer.std()
+    crossings = np.count_nonzero((answer[:-1] < height) & (answer[1:] >= height))
     assert crossings / 20.0 == pytest.approx(f * math.exp(-2), rel=0.1)
 
 
@@ -250,8 +249,8 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 def test_a_single_record_that_snaps_at_the_top_alone_does_not_determine_the_level():
     ladder = {rung: np.array([[float(rung == 2)], [0.0], [1.0]]) for rung in range(3)}
-    level, low, high = _level(ladder, 0, 0.01)
-    assert math.isnan(level) and (low, high) == (0.0, math.inf)
+    found, low, high = _level(ladder, 0, 0.01)
+    assert math.isnan(found) and (low, high) == (0.0, math.inf)
 
 
 def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
@@ -260,9 +259,9 @@ def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
     ladder = {
         rung: np.array([[count, 0.0], [0.0, 0.0], [16.0, 0.0]]) for rung, count in counts.items()
     }
-    level, low, high = _level(ladder, 0, 0.01)
+    found, low, high = _level(ladder, 0, 0.01)
     assert (
-        level == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6) and low < level < high
+        found == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6) and low < found < high
     )
     assert np.isnan(_level(ladder, 1, 0.01)).all()
     quiet = {0: np.array([[0.0], [0.0], [16.0]])}
@@ -273,8 +272,8 @@ def test_rungs_are_followed_from_where_none_snaps_to_where_all_do():
     """Every one about the lowest snap, else every fourth, to 60; of rows that have a device."""
     edges = np.array([2.5, -5.5, 0.0, np.inf])
 
-    def follow(which, level):
-        snaps = np.where(math.log(level, RUNG) > edges[which], 8.0, 0.0)
+    def follow(which, reached):
+        snaps = np.where(math.log(reached, RUNG) > edges[which], 8.0, 0.0)
         return np.stack([snaps, 0 * snaps, 0 * snaps + 8.0])
 
     ladder = _climb(follow, np.array([True, True, False, True]), 8)

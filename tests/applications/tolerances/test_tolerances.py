@@ -18,17 +18,7 @@ import snapmap
 from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
-from snapmap.applications.tolerances import figure
-from snapmap.applications.tolerances.dataset import (
-    count_below,
-    crossed,
-    indices,
-    moments,
-    quantile_bounds,
-    quantiles,
-    summary,
-    tolerances_of,
-)
+from snapmap.applications.tolerances import dataset, figure
 from snapmap.applications.whole import load_config
 from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
@@ -50,34 +40,34 @@ def test_indices_are_those_of_ishigamis_function():
     exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / (both + lone + rest)
     scatters = dict.fromkeys(("N", "C", "duration"), Scatter("normal", 0.01, True))
     points = Plan(None, scatters).points(4096, seed=1)
-    (first, second), mixed = map(ishigami, points), ishigami(crossed(points))
-    estimates = indices(first, second, mixed, seed=5)[..., 0]
+    (first, second), mixed = map(ishigami, points), ishigami(dataset.crossed(points))
+    estimates = dataset.indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(estimates[:, 0], exact, atol=0.01)
     assert (estimates[:, 1] <= exact).all() and (exact <= estimates[:, 2]).all()
     first[[3, 70, 500]] = np.nan
-    again = indices(first, second, mixed, seed=5)[..., 0]
+    again = dataset.indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(again[:, 0], exact, atol=0.03)
 
 
 def test_statistics_count_what_never_snaps():
     N_first = np.array([[3.0], [1.0], [np.nan], [2.0]])
-    assert count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
-    assert quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
-    assert np.isnan(quantiles(N_first, [0.9])).all()
-    assert [*moments(N_first)] == [2.0, 1.0]
+    assert dataset.count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
+    assert dataset.quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
+    assert np.isnan(dataset.quantiles(N_first, [0.9])).all()
+    assert [*dataset.moments(N_first)] == [2.0, 1.0]
 
 
 def test_bounds_of_a_quantile_are_order_statistics():
     """At 95 % each: of so many samples at least `low` lie below the median, and so on."""
     shares, N_first = [0.001, 0.05, 0.5, 0.95, 0.999], np.arange(1.0, 2996.0)[:, np.newaxis]
-    bounds = lambda size: quantile_bounds(N_first[:size], shares)[..., 0]  # noqa: E731
+    bounds = lambda size: dataset.quantile_bounds(N_first[:size], shares)[..., 0]  # noqa: E731
     low, high = bounds(2995)
     for fewest, ends in ((2995, [0, -1]), (59, [1, 3])):
         assert bounds(fewest)[[0, 1], ends].tolist() == [1, fewest]
         assert np.isnan(bounds(fewest - 1)[[0, 1], ends]).all()
     assert stats.binom.sf(low[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.sf(low[2], 2995, 0.5)
     assert stats.binom.cdf(high[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.cdf(high[2] - 2, 2995, 0.5)
-    assert (low[1:-1] < quantiles(N_first, shares)[1:-1, 0]).all()
+    assert (low[1:-1] < dataset.quantiles(N_first, shares)[1:-1, 0]).all()
 
 
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
@@ -188,11 +178,13 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
     needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
-    met = tolerances_of(replace(study, device=device), axes | {"temperature": degrees}, made, needs)
+    met = dataset.tolerances_of(
+        replace(study, device=device), axes | {"temperature": degrees}, made, needs
+    )
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
         single = [replace(required, shocks=shocks) for required in needs[:2]]
-        corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
+        corner = dataset.tolerances_of(replace(study, device=device.at(T)), axes, made, single)
         corners.append(corner.N_first_required.squeeze("C").values)
     most, least = np.max(corners, axis=0)[0], np.min(corners, axis=0)[1]
     trips, rests, _ = met.N_first_required.squeeze("C").values
@@ -212,9 +204,9 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
     ends = [to_hex(colour) for colour in field.get_cmap()([0.0, 1.0])]
     assert ends == [state.colour for state in SNAPS[:2]]  # no grey, which is what is not known
-    *quantiles, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
+    *lines, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
     expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
-    np.testing.assert_array_equal(quantiles, expected)
+    np.testing.assert_array_equal(lines, expected)
     np.testing.assert_array_equal(nominal, scattered.N_nominal)
     np.testing.assert_array_equal(no_fire, scattered.N_no_fire)
     assert np.isnan(all_fire).all()
@@ -230,8 +222,8 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     more = {"sensitivity_bound": bounds, "sensitivity": 1.2 * scattered.sensitivity}
     ax = drawn(figure.draw_sensitivity, scattered.assign(more))
     shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
-    indices = np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
-    assert sorted(shown) == sorted(indices)
+    expected = np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
+    assert sorted(shown) == sorted(expected)
     tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
@@ -262,7 +254,7 @@ def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scatt
     spread = f"{100 * spread.min():.2g} to {100 * spread.max():.2g}"
     words = CASES["words"].format(lost=lost, spread=spread)
     words_of = [figure.words_of(key) for key in ("thickness+depth", "N", "duration")]
-    told = [summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
+    told = [dataset.summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
     assert [*told, *words_of] == words.splitlines()
     breaking = scattered.share_meeting_bound * 0 + xr.DataArray([0.2, 0.35], dims="bound")
     more = {"share_breaking": scattered.share_meeting * 0 + 0.25, "share_breaking_bound": breaking}
