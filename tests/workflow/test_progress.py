@@ -10,6 +10,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
+from small_studies import cases_of
 
 from snapmap.workflow.job_log import count_path
 from snapmap.workflow.progress import STOPPED, Progress
@@ -60,14 +61,8 @@ def test_a_log_has_each_stage_once(monkeypatch):
 
 def test_a_job_that_counts_leaves_no_semaphore_behind():
     """It ends by os._exit; processes that are not forked keep those that they named."""
-    code = """if True:
-        import multiprocessing, os
-        multiprocessing.set_start_method("spawn")
-        from snapmap.files.counting import counting
-        with counting("", file=open(os.devnull, "w"), disable=False):
-            os._exit(0)"""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", code]
+    command = [sys.executable, "-c", cases_of(__file__)["spawned"]]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
