@@ -254,11 +254,8 @@ def test_a_plot_takes_only_the_thresholds_of_its_cells():
     found, plot = make_found(), partial(snapmap.plot_outcome, TINY)
     one = plot(axes(), thresholds=found.isel(C=[0]))
     assert "threshold" in {line.get_label() for line in one.lines}
-    wrong = {
-        "has several C": found,
-        "C is 200.0, but 25.0 in the cube": found.isel(C=1),
-        "have no axis f0": found.isel(C=0, f0=0),
-    }
+    wrong = {"has several C": found, "have no axis f0": found.isel(C=0, f0=0)}
+    wrong["C is 200.0, but 25.0 in the cube"] = found.isel(C=1)
     for words, thresholds in wrong.items():
         with pytest.raises(ValueError, match=f"^thresholds: {words}"):
             plot(axes(), thresholds=thresholds)

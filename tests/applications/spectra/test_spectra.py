@@ -77,6 +77,10 @@ def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
     deep = [(f, by * (0.2 if f == 840 else 1)) for f, by in NOTCH]
     with pytest.raises(ValueError, match=r"^srs: no record meets it within 3 dB; write a smoother"):
         srs.record(srs.check_points(deep), [7, 0])
+    widest = [(1.0, 0.5), (9e3, 1.0), (1e4, 1.0)]
+    assert srs.check_points(widest).tolist() == [[*point] for point in widest]
+    with pytest.raises(ValueError, match=r"^srs: frequencies span more than 1:10000; write"):
+        srs.check_points([*widest, (10_001.0, 1.0)])
 
 
 def test_the_deviation_of_a_record_keeps_its_sign(handout):
@@ -137,6 +141,7 @@ def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, power):
         for read in (kind.read, kind.take):
             assert read(points)[:, 1] == pytest.approx([3.5 * size, 7.0 * size], rel=1e-14)
     assert kind.take([(20.0, 3.5), (2000.0, 7.0)])[:, 1].tolist() == [3.5, 7.0]
+    assert ("Hz and multiples of g, " in kind.need) == (power == 1)
     assert kind.take(np.array([(20.0, 3.5), (2000.0, 7.0)]))[:, 1].tolist() == [3.5, 7.0]
     for points, line in CASES["wrong points"]:
         with pytest.raises(ValueError, match=line):

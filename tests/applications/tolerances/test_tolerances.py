@@ -49,6 +49,19 @@ def test_indices_are_those_of_ishigamis_function():
     np.testing.assert_allclose(again[:, 0], exact, atol=0.03)
 
 
+def test_indices_of_few_weighted_samples_are_those_of_their_sums():
+    """Variance of both draws together; half the mean square change; Saltelli (2010)."""
+    random = np.random.default_rng(3)
+    first, second, mixed = 5 + random.normal(size=(3, 4)) + [[0.0], [0.5], [0.2]]
+    weights = np.array([[0.25, 0.5], [0.25, 0.0], [0.25, 0.125], [0.25, 0.375]])
+    found = dataset._both_orders(first, second, mixed[np.newaxis], weights)[:, 0]
+    for weight, orders in zip(weights.T, found.T, strict=True):
+        middle = weight @ (first + second) / 2
+        variance = weight @ ((first - middle) ** 2 + (second - middle) ** 2) / 2
+        alone, total = (second - middle) * (mixed - first), (mixed - first) ** 2 / 2
+        assert orders == pytest.approx([weight @ alone / variance, weight @ total / variance])
+
+
 def test_statistics_count_what_never_snaps():
     N_first = np.array([[3.0], [1.0], [np.nan], [2.0]])
     assert dataset.count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
@@ -228,6 +241,17 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
     assert ends.max() > 1
+    few, f0 = "few devices snap", [800.0, 1500.0, 3000.0]
+    for known, crossed, said in (
+        (f0[::2], [f0[1:2]], []),
+        (f0, [], []),
+        ([], [], [f"nothing to show: {few}"]),
+    ):
+        part = scattered.sensitivity.where(scattered.f0.isin(known))
+        ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity=part))
+        crosses = [line for line in ax.lines if line.get_label() == f"not known: {few}"]
+        assert [cross.get_xdata().tolist() for cross in crosses] == crossed
+        assert [text.get_text() for text in ax.texts] == said
 
 
 @pytest.mark.usefixtures("paper")
@@ -235,6 +259,7 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
     ax = drawn(figure.draw_yield, scattered.expand_dims(C=[25.0], axis=-1))
     shares = [scattered.share_meeting.item(), scattered["yield"].item()]
     assert ax.lines[0].get_xydata().tolist() == [[share, i] for i, share in enumerate(shares)]
+    assert [0.5, 0.5] in [[*line.get_ydata()] for line in ax.lines]  # above all together
     low = min(scattered.share_meeting_bound.min(), scattered.yield_bound.min()).item()
     assert low - 0.1 < ax.get_xlim()[0] < low and ax.get_xlim()[1] > 1
     ax = drawn(figure.draw_requirement, scattered.isel(requirement=0))
