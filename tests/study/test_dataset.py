@@ -6,8 +6,6 @@ from small_studies import cases_of
 
 from snapmap.study.variables import as_dataset
 
-(FIRST,) = cases_of(__file__).values()
-
 
 def test_a_dataset_is_that_of_xarray():
     axes = {"device": np.array(["thin", "thick"]), "C": np.array([0.0, 25.0, np.inf])}
@@ -26,5 +24,5 @@ def test_a_dataset_is_that_of_xarray():
 
 
 def test_a_threshold_imports_neither_dask_nor_pint(python):
-    said, faults = python(FIRST)
+    said, faults = python(*cases_of(__file__).values())
     assert said == "set()\n", faults

@@ -13,8 +13,6 @@ from small_studies import cases_of
 from snapmap.workflow.job_log import count_path
 from snapmap.workflow.progress import STOPPED, Progress
 
-(COUNTING,) = cases_of(__file__).values()
-
 
 def record(event=None, level=logging.INFO, **facts):
     return logging.makeLogRecord({"msg": "said", "levelno": level, "event": event, **facts})
@@ -61,7 +59,7 @@ def test_a_log_has_each_stage_once(monkeypatch):
 
 def test_a_job_that_counts_leaves_no_semaphore_behind(python):
     """It ends by os._exit; processes that are not forked keep those that they named."""
-    assert python(COUNTING) == ("counted\n", "")
+    assert python(cases_of(__file__)["counting"]) == ("counted\n", "")
 
 
 def test_faults_are_not_hushed():
