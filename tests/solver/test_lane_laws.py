@@ -230,14 +230,14 @@ def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
         follow(handout, COSINES, laws_of(damping=damping), 25.0)
 
 
+def pulls(k, s):
+    return -900.0 * s
+
+
 REFUSED = {
     "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
     "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
-    r"model.laws: .+, line \d+: contact: falls": (
-        {},
-        {"contact": lambda k, s: -900.0 * s},
-        {"modes": 3},
-    ),
+    r"model.laws: .+, line \d+: contact: falls": ({}, {"contact": pulls}, {"modes": 3}),
     "device.contact_at": ({"contact_at": -2.0}, {"contact": two_sided}, {"modes": 3}),
     "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
 }

@@ -93,9 +93,8 @@ def test_bounds_of_a_quantile_are_order_statistics():
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
     f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
-    made = snapmap.tolerance(
-        Study(handout, threads=2, **CHEAP), scatters, f0, C, samples=100, seed=2
-    )
+    study = Study(handout, threads=2, **CHEAP)
+    made = snapmap.tolerance(study, scatters, f0, C, samples=100, seed=2)
     assert made.N_first.notnull().all() and (made.bistable == 1).all()
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
@@ -223,9 +222,8 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
     needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
-    met = dataset.tolerances_of(
-        replace(study, device=device), axes | {"temperature": degrees}, made, needs
-    )
+    tempered = axes | {"temperature": degrees}
+    met = dataset.tolerances_of(replace(study, device=device), tempered, made, needs)
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
         single = [replace(required, shocks=shocks) for required in needs[:2]]
