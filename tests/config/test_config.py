@@ -1,10 +1,7 @@
 """The door: what comes in is exact, what stays out is named in one line per fault."""
 
 import math
-import os
 import re
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -96,12 +93,9 @@ def test_the_study_of_the_handout_is_exact():
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
 
 
-def test_the_configs_are_read_alone_by_a_python_without_docstrings():
-    environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow" / "scripts")}
-    command = [sys.executable, "-OO", "-c", CASES["read"]]
-    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert run.stdout == "set() 600.0\n", run.stderr
-    assert "\ndevice: 3 is not a mapping\n" in run.stderr
+def test_the_configs_are_read_alone_by_a_python_without_docstrings(python):
+    said, faults = python(CASES["reads"], options=["-OO"])
+    assert said == "set() 600.0\n" and "\ndevice: 3 is not a mapping\n" in faults, faults
 
 
 def test_durations_stand_for_frequencies():

@@ -38,8 +38,7 @@ def made(handout):
     """A small result behind each figure, by the function that draws it."""
     study = Study(handout, model={"name": "cosines", "modes": 3}, horizon=100.0)
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    how = {"samples": 4, "index_samples": 4}
-    how["requirements"] = [REQUIRED | {"survives": True}]
+    how = {"samples": 4, "index_samples": 4, "requirements": [REQUIRED | {"survives": True}]}
     made = snapmap.tolerance(Study(handout, **SHORT), {"thickness": 0.05}, **axes, **how)
     points = {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}
     edges = snapmap.threshold(Study(handout, **MODEL), **axes)

@@ -97,10 +97,8 @@ def extremes(model, pulse, N, C):
     dt = model.time_steps(cells, Run().but(until="moved"))
     steps = np.ceil(cells.t_end / dt).astype(int)
     stress = np.broadcast_to(stress_rows(model), (N.size, *stress_rows(model).shape[1:]))
-    seen = [
-        [w.min(0), w.max(0), s.max(0)]
-        for _, (w, s) in watch(model, cells, dt, steps, "first", stress)
-    ]
+    watched = watch(model, cells, dt, steps, "first", stress)
+    seen = [[w.min(0), w.max(0), s.max(0)] for _, (w, s) in watched]
     alone = [
         [part.y for part in record(model, cells.take([i]), dt[[i]], jumps=True)[1]]
         for i in range(N.size)

@@ -2,9 +2,7 @@
 
 import io
 import logging
-import os
 import signal
-import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
@@ -59,12 +57,9 @@ def test_a_log_has_each_stage_once(monkeypatch):
     assert said == "Simulate the cells\nFind the thresholds\n"
 
 
-def test_a_job_that_counts_leaves_no_semaphore_behind():
+def test_a_job_that_counts_leaves_no_semaphore_behind(python):
     """It ends by os._exit; processes that are not forked keep those that they named."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", cases_of(__file__)["spawned"]]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert python(cases_of(__file__)["counting"]) == ("counted\n", "")
 
 
 def test_faults_are_not_hushed():

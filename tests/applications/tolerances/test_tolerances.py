@@ -20,17 +20,10 @@ from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
 from snapmap.applications.tolerances import dataset, figure
 from snapmap.applications.whole import load_config
-from snapmap.device.device import batch
 from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
-from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.cells import to_cells, to_rows
-from snapmap.solver.models import build_model, follow_twice
-from snapmap.solver.options import Auto, Cosines
-from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
-from snapmap.thresholds import population as batches
 
 CASES = cases_of(__file__)
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
@@ -115,10 +108,6 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
-    rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, Auto(), rows, Run())
-    assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
-    assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
@@ -193,27 +182,6 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
 
-def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
-    """At four times the threshold all arrive, and as many stay as one by one, in both steps."""
-    light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
-    shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
-    musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
-    asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
-    how, rows = {"model": "3 cosines", "horizon": 4000.0}, ([2000.0], [25.0])
-    how = Study(light, **how), {"thickness": {"uniform": "1 %"}}, *rows
-    made, ends = snapmap.tolerance(*how, samples=32, requirements=asked), []
-    for value in made.thickness.values:
-        model = build_model(batch([varied(light, thickness=value)]), Cosines(modes=3))
-        shock = [5600.0], 2000.0, 25.0, 4000.0, 0, [make_pulse("half sine")]
-        cell = to_cells(model.device, 0, *shock)
-        runs = follow_twice(model, cell, Run(horizon=4000.0).but(until="end"))
-        ends += [run.well.item() == 2 for run in runs]
-    stay = np.mean(ends)
-    assert 0.1 < stay < 0.95
-    np.testing.assert_allclose(made.share_meeting.squeeze("C"), [stay, 1.0, 0.0, 1.0])
-    assert made.must_snap.values.tolist() == [1, 3, 0, 2] and made["yield"].item() == 0.0
-
-
 def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
     device = replace(handout, modulus_slope=-1e-3, strength=1e6)
     scatters = {"thickness": Scatter("normal", 0.05, False)}
@@ -272,11 +240,8 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
     assert ends.max() > 1
     few, f0 = "few devices snap", [800.0, 1500.0, 3000.0]
-    for known, crossed, said in (
-        (f0[::2], [f0[1:2]], []),
-        (f0, [], []),
-        ([], [], [f"nothing to show: {few}"]),
-    ):
+    cases = (f0[::2], [f0[1:2]], []), (f0, [], []), ([], [], [f"nothing to show: {few}"])
+    for known, crossed, said in cases:
         part = scattered.sensitivity.where(scattered.f0.isin(known))
         ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity=part))
         crosses = [line for line in ax.lines if line.get_label() == f"not known: {few}"]
