@@ -265,9 +265,8 @@ def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
         rung: np.array([[count, 0.0], [0.0, 0.0], [16.0, 0.0]]) for rung, count in counts.items()
     }
     found, low, high = _level(ladder, 0, 0.01)
-    assert (
-        found == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6) and low < found < high
-    )
+    assert found == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6)
+    assert low < found < high
     assert np.isnan(_level(ladder, 1, 0.01)).all()
     quiet = {0: np.array([[0.0], [0.0], [16.0]])}
     assert _level(quiet, 0, 0.01) == (math.inf,) * 3
