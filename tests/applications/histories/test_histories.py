@@ -70,6 +70,10 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     at_snap = np.interp(-run.second_equilibrium, -part.w_mid, part.stress)
     expected = max(run.stress.values[:after].max(), at_snap)
     assert run.stress_max_to_snap == pytest.approx(expected, rel=1e-12)
+    w, stress = np.array([3.0, 1.0, -3.0]), np.array([1.0, 2.0, 10.0])
+    assert history._stress_to(0.0, w, stress) == (4.0, True)  # a quarter of the way from 2 to 10
+    assert history._stress_to(0.0, w, stress[[2, 0, 1]]) == (10.0, True)
+    assert history._stress_to(-5.0, w, stress) == (10.0, False)
 
 
 ENERGETIC = [(CHEAP, 700.0), (CHEAP, 1500.0), (REFERENCE, 1500.0)]
@@ -110,6 +114,8 @@ def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, as
     back = run.get("first_equilibrium")
     side, end = (1, run.second_equilibrium) if back is None else (-1, back)
     w, target = side * run.w_mid, side * end.item()
+    of_rest, next_to_it = run.axial_force.values[:2]
+    assert of_rest == pytest.approx(next_to_it, rel=1e-3, abs=1e-3)
     after = int(np.argmax(w.values <= target))
     assert np.isfinite(run.t_snap) == bool(after) == (outcome != "never")
     if after:

@@ -157,10 +157,9 @@ def test_all_fire_holds_for_other_devices_of_its_batch(handout):
     """Of batches of 59 devices at least 95 % bound the level that 95 % of devices reach."""
     scatter = {"thickness": "3 %"}
     need = {"name": "a", "N": 1e3, "f0": 1500.0, "snaps": "arrives", "share": 0.95}
-    many = snapmap.tolerance(
-        cheap(handout), scatter, F0, C, samples=1024, index_samples=2
-    ).N_first.squeeze()
-    low, high = np.quantile(many, [0.05, 0.95])
+    many = {"samples": 1024, "index_samples": 2}
+    N_first = snapmap.tolerance(cheap(handout), scatter, F0, C, **many).N_first
+    low, high = np.quantile(N_first, [0.05, 0.95])
     held = []
     for seed in range(2, 12):
         how = {"samples": 59, "index_samples": 2, "seed": seed, "requirements": [need]}
