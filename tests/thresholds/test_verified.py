@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from known_model import Known
+from small_studies import cases_of
 from varied import alone
 
 import snapmap
@@ -65,9 +66,7 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     assert N[0] == N[1] == N[2] > EXACT > low[2] > N[2] / 1.0001 and np.isnan(N[3])
 
 
-@pytest.mark.parametrize(
-    ("ends", "highest"), [([1, 9], None), ([1, 9], 1.0), ([0.91, 0.93, 1, 9], None)]
-)
+@pytest.mark.parametrize(("ends", "highest"), cases_of(__file__))
 def test_a_verified_threshold_is_as_near_as_its_bar_says(handout, monkeypatch, ends, highest):
     """None is where it is expected a thousandth off, or where a row snaps below it, too."""
     monkeypatch.setattr(verified, "least_amplitudes", lambda model, rows, start: 0.1 + 0 * rows.f0)
