@@ -5,6 +5,7 @@ import pytest
 from matplotlib.patches import Polygon
 from small_results import artists, drawn, legend_words, make_found, visible
 
+from snapmap.applications.boundary import application
 from snapmap.applications.boundary.figure import DURATION, draw_damage_boundary
 
 
@@ -16,6 +17,7 @@ def ax(paper):
 def test_what_snaps_of_each_C_is_shaded(ax):
     region, other = artists(ax, Polygon)
     assert legend_words(ax)[-1] == "snaps, in the colour of its line"
+    assert application.size == (3.6, 1)
     assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
     looks = {(one.get_alpha(), one.get_linewidth(), one.get_zorder()) for one in (region, other)}
     assert looks == {(0.12, 0, 0)}  # beneath all else

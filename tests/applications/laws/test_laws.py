@@ -150,8 +150,9 @@ def test_laws_hold_up_to_and_from_the_frequencies_at_which_they_are_off(handout,
     laws["dwell"] = ("C", [np.nan], {"missing_as": "it is free"})
     assert "N = 890, how long is not known: it is free; a short one" in summary(laws)
     draw_laws(figure := style.double_column(4.6), laws)
-    title = figure.legends[0].get_title().get_text()
-    assert title.endswith("\nno law of slow shocks: it is free")
+    (legend,), size = figure.legends, application.size
+    assert legend.get_title().get_text().endswith("\nno law of slow shocks: it is free")
+    assert (legend._ncols, size) == (3, (4.6, 2))
 
 
 @pytest.mark.parametrize(("asked", "own"), [(True, None), (False, "laws.py"), (True, "laws.py")])
