@@ -304,10 +304,9 @@ def test_blows_far_apart_with_damping_are_blows_alone(handout):
     """And N_static and velocity_change are those of one blow."""
     calm = varied(handout, damping=0.02)  # the beam rings no longer than its mass
     how = {"model": "cosines", "horizon": 500.0}
-    asked = {"C": [25.0]}
     trains = {"train": [BLOW]}, {"train": [BLOW, {"wait": 9000.0}, BLOW]}
     pulse, alone, two = (
-        snapmap.threshold(Study(calm, pulse=push, **how), f0, **asked).squeeze()
+        snapmap.threshold(Study(calm, pulse=push, **how), f0, [25.0]).squeeze()
         for f0, push in (([2000.0], "half sine"), (None, trains[0]), (None, trains[1]))
     )
     for key in ("N_first", "N_error", "N_always", "t_snap"):
