@@ -1,3 +1,6 @@
+import os
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -20,6 +23,19 @@ def workflow_text():
     """The text of the workflow: the Snakefile and all that it includes."""
     paths = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
     return "\n".join(path.read_text(encoding="utf-8") for path in paths)
+
+
+@pytest.fixture(scope="session")
+def python(root):
+    """Run a program that finds the package in a Python of its own; gives what it says."""
+
+    def run(program, *words, options=(), cwd=root):
+        path = {"PYTHONPATH": str(root / "workflow" / "scripts"), "OPENBLAS_NUM_THREADS": "1"}
+        command, env = [sys.executable, *options, "-c", program, *words], os.environ | path
+        done = subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True)
+        return done.stdout, done.stderr
+
+    return run
 
 
 @pytest.fixture

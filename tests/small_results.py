@@ -15,11 +15,8 @@ from snapmap.solver.settings import Run
 from snapmap.study.axes import attributes_of
 from snapmap.study.variables import variables
 
-CONFIG = {
-    "model": {"name": "elements"},
-    "run": {"horizon": "1.5 ms"},
-    "histories": [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}],
-}
+CONFIG = {"model": {"name": "elements"}, "run": {"horizon": "1.5 ms"}}
+CONFIG["histories"] = [{"N": 1000, "f0": "1500 Hz", "C": "0.025 uN*us/um"}]
 AXES = {"C": [0.025, 200.0], "f0": [1000.0, 3000.0, 9000.0], "N": [800.0, 1000.0, 1300.0, 2200.0]}
 SETTINGS = Run(horizon=300.0)
 VARIABLES = variables("cube")

@@ -72,11 +72,8 @@ def test_the_example_of_the_first_screen_runs(root, tmp_path, monkeypatch):
 
 def outputs_of(notebook):
     """What the code cells of a notebook show: their numbers, texts and kinds of output."""
-    return [
-        (cell.execution_count, [hide_picture(output) for output in cell.outputs])
-        for cell in notebook.cells
-        if cell.cell_type == "code"
-    ]
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    return [(cell.execution_count, [*map(hide_picture, cell.outputs)]) for cell in cells]
 
 
 def hide_picture(output):

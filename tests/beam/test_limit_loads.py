@@ -16,9 +16,7 @@ from snapmap.device.device import batch
 
 
 @pytest.mark.filterwarnings("error")
-def test_static_thresholds_are_the_largest_forces_and_that_of_a_mass_far_away(
-    handout,
-):
+def test_static_thresholds_are_the_largest_forces_and_that_of_a_mass_far_away(handout):
     assert static_threshold(alone(handout)) == static_threshold(varied(handout, gap=1e4))
     tilts = alone(handout, 1.0, free=1.0, imperfection=0.01)
     for device in (alone(handout, 1.0), tilts):

@@ -21,19 +21,12 @@ from snapmap.workflow.plan import make_plan
 
 CASES = cases_of(__file__)
 DEFAULT = CASES["config"]
-OPTIONAL = {
-    *("damping", "elements", "spacing", "horizon", "until", "repeat", "histories"),
-    *("energy_tolerance", "threshold_tolerance"),
-}
-HOSTILE = CASES["hostile"]
+OPTIONAL, HOSTILE = {*CASES["optional"]}, CASES["hostile"]
 NO_VALUE = [
     *(None, {}, [], [3, None], {"a": 1}, math.nan, math.inf, b"\0", "word ", "x" * 300),
     *(datetime.date(2026, 1, 1), *HOSTILE),
 ]
-NO_QUANTITY = [
-    *(*NO_VALUE, True, 7, 0.5, "1e3", "nan um", "inf kg", "1e25 um", "1e-40 N/m", "-1 m/s^2"),
-    *("1 furlong^9", "1 rad/s", "3 dB", "20 degC", "9**9**9 m", "1_0 um"),
-]
+NO_QUANTITY = [*NO_VALUE, *CASES["no quantity"]]
 NO_NUMBER = [*NO_VALUE, "1 g", "1,5", "0x10", True, "nan", 1e300, "1e999", -2e15]
 NO_COUNT = [*NO_VALUE, 0, -3, 10**7, True]
 NO_WORD, NO_SHARE = [*NO_VALUE, True, 0.5, -3, "1e3"], [*NO_VALUE, 0.0, -1.0, 1.0, "1", "2 %"]

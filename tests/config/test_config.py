@@ -1,10 +1,7 @@
 """The door: what comes in is exact, what stays out is named in one line per fault."""
 
 import math
-import os
 import re
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -47,10 +44,8 @@ def test_no_window_is_over_temperature_and_axes_keep_the_units_they_are_written_
     axes = {"mass": {"from": "0.01 mg", "to": "0.02 mg", "points": 3}, "C": ["1 mN*s/m", "2 kg/s"]}
     swept = {f"sweep__{key}": axes[key] for key in axes} | {"histories": MISSING}
     swept |= {"sweep__temperature": ["-40 degC", "125 degC"], "requirements": [shock]}
-    assert [*window.application.figures(load_config(changed(**swept)))["window"]["units"]] == [
-        "mass",
-        "C",
-    ]
+    figures = window.application.figures(load_config(changed(**swept)))
+    assert [*figures["window"]["units"]] == ["mass", "C"]
     units = {"mass": ("mg", 1e6), "C": ("mN*s/m", 1e3), "contact": ("uN/um", 1.0)}
     assert load_config(changed(**swept, sweep__contact=["hard", "40 N/m"])).units == units
 
@@ -98,12 +93,9 @@ def test_the_study_of_the_handout_is_exact():
     assert cell.name == "N1000_f1500_C0.025" and study.own_points == ()
 
 
-def test_the_configs_are_read_alone_by_a_python_without_docstrings():
-    environment = os.environ | {"PYTHONPATH": str(ROOT / "workflow" / "scripts")}
-    command = [sys.executable, "-OO", "-c", CASES["read"]]
-    run = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert run.stdout == "set() 600.0\n", run.stderr
-    assert "\ndevice: 3 is not a mapping\n" in run.stderr
+def test_the_configs_are_read_alone_by_a_python_without_docstrings(python):
+    said, faults = python(CASES["reads"], options=["-OO"])
+    assert said == "set() 600.0\n" and "\ndevice: 3 is not a mapping\n" in faults, faults
 
 
 def test_durations_stand_for_frequencies():

@@ -163,10 +163,8 @@ def test_a_straight_beam_has_two_mirrored_shapes(handout):
 def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(handout):
     device = varied(handout, cosine_2=0.05, cosine_3=-0.03)
     models = snapmap.Elements(modes=5), snapmap.Cosines()
-    N = [
-        snapmap.threshold(snapmap.Study(device, model=model), 1500.0, 25.0).N_first.item()
-        for model in models
-    ]
+    studies = (snapmap.Study(device, model=model) for model in models)
+    N = [snapmap.threshold(study, 1500.0, 25.0).N_first.item() for study in studies]
     assert N[0] == pytest.approx(N[1], rel=1e-2)
     run = snapmap.simulate(snapmap.Study(device, model="cosines"), 1.02 * max(N), 1500.0, 25.0)
     assert run.w_mid[0] == pytest.approx(device.beam.rise)

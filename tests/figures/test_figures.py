@@ -3,28 +3,17 @@
 import json
 import os
 import runpy
-import subprocess
-import sys
 from pathlib import Path
 
-import draw
 import numpy as np
 import pytest
+import small_results
 import xarray as xr
 from matplotlib.collections import FillBetweenPolyCollection, LineCollection, QuadMesh
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from PIL import Image
-from small_results import (
-    ATTRIBUTES,
-    CONFIG,
-    TINY,
-    artists,
-    drawn,
-    legend_words,
-    make_found,
-    visible,
-)
+from small_results import artists, drawn, legend_words, make_found, visible
 from small_studies import cases_of
 
 from snapmap.applications.boundary import figure as boundary
@@ -200,7 +189,7 @@ def test_a_legend_has_no_gap_and_no_island_that_is_too_small_to_see():
 
 def test_figures_of_a_pushed_beam_count_its_force():
     device = {"beam": {}, "mass": "none", "force": "2.0 uN"}
-    pushed = {"config": json.dumps(CONFIG | {"device": device})}
+    pushed = {"config": json.dumps(small_results.CONFIG | {"device": device})}
     two = {"config": json.dumps({"devices": {"a": device, "b": device | {"force": "3.0 uN"}}})}
     assert captions.multiples(two) == "multiples of each force"
     for gravity, unit in CASES["gravity"].items():
@@ -209,16 +198,16 @@ def test_figures_of_a_pushed_beam_count_its_force():
     results = make_found().assign(velocity_change=("C", [np.nan, np.nan])).assign_attrs(pushed)
     ax = drawn(thresholds.draw_thresholds, results)
     assert ax.get_ylabel() == "pulse amplitude $N$ (multiples of 2 µN)"
-    cells = TINY.assign_attrs(pushed)
+    cells = small_results.TINY.assign_attrs(pushed)
     assert drawn(maps.draw_map, cells, results.isel(C=0)).get_ylabel().endswith("of 2 µN)")
-    assert drawn(maps.draw_map, TINY, None).get_ylabel().endswith("of $g$)")
+    assert drawn(maps.draw_map, small_results.TINY, None).get_ylabel().endswith("of $g$)")
 
 
 def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
     for name in ("first", "again"):
         with style.paper():
             figure = drawn(thresholds.draw_thresholds, make_found()).figure
-            style.save(figure, tmp_path / name, ATTRIBUTES)
+            style.save(figure, tmp_path / name, small_results.ATTRIBUTES)
     for kind in ("pdf", "png"):
         first, again = (tmp_path / f"{name}.{kind}" for name in ("first", "again"))
         assert first.read_bytes() == again.read_bytes()
@@ -230,7 +219,7 @@ def test_a_saved_figure_has_fonts_and_facts_and_repeats_byte_for_byte(tmp_path):
         assert image.size[0] == 2100
         assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)
         assert [image.info[key] for key in ("Title", "Software")] == ["A title", "0.1.0+abc"]
-        assert json.loads(image.info["Comment"]) == CONFIG
+        assert json.loads(image.info["Comment"]) == small_results.CONFIG
 
 
 def test_pictures_of_pages_are_small_and_have_the_numbers_of_today(root, tmp_path):
@@ -260,21 +249,15 @@ def test_thresholds_have_bars_gaps_and_islands():
 
 
 @pytest.mark.parametrize("processes", [1, 2])
-def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(tmp_path, processes):
-    code = CASES["side_by_side"].format(processes=processes)
-    scripts = str(Path(draw.__file__).parent)
-    environment = os.environ | {"PYTHONPATH": scripts, "OPENBLAS_NUM_THREADS": "1"}  # as of a job
-    warned = "error::DeprecationWarning:multiprocessing.popen_fork"
-    command = [sys.executable, "-W", warned, "-c", code]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("told\n", "")
+def test_tasks_side_by_side_are_all_done_and_a_fault_is_told(python, tmp_path, processes):
+    no_forks = "-Werror::DeprecationWarning:multiprocessing.popen_fork"
+    program = CASES["side by side"].format(processes)
+    assert python(program, options=[no_forks], cwd=tmp_path) == ("told\n", "")
 
 
-def test_what_draws_needs_no_kernel_no_pyplot_and_no_dask(root):
+def test_what_draws_needs_no_kernel_no_pyplot_and_no_dask(python):
     code = "import sys, draw; print({'numba', 'matplotlib.pyplot', 'dask.array'} & {*sys.modules})"
-    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", code]
-    assert subprocess.check_output(command, env=environment, text=True) == "set()\n"
+    assert python(code) == ("set()\n", "")
 
 
 def test_a_figure_on_a_full_disk_is_one_line(tmp_path, monkeypatch):

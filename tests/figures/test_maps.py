@@ -19,6 +19,8 @@ from snapmap.figures import captions, curves, maps, plane, scales, style
 from snapmap.figures import states as S
 from snapmap.sweeps.cube import summary, with_summary
 
+FAULTS, BLIND, SETTLED = cases_of(__file__).values()
+
 pytestmark = pytest.mark.usefixtures("sketch")
 EVERY = make_cells(["0123456"])
 """A cell of each outcome."""
@@ -63,19 +65,11 @@ def linear(colour):
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-BLIND = {
-    "protan": [[0.1523, 1.0526, -0.2049], [0.1145, 0.7863, 0.0992], [-0.0039, -0.0481, 1.0520]],
-    "deutan": [[0.3673, 0.8607, -0.2280], [0.2801, 0.6725, 0.0474], [-0.0118, 0.0429, 0.9689]],
-    "tritan": [[1.2555, -0.0767, -0.1788], [-0.0784, 0.9308, 0.1476], [0.0047, 0.6914, 0.3039]],
-}
-"""Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB."""
-
-
 @pytest.mark.parametrize("states", [S.STATES, S.SNAPS])
 def test_states_differ_in_grey_and_to_the_colour_blind_and_lines_in_grey(states):
     for a, b in itertools.combinations([linear(state.colour) for state in states], 2):
         assert abs(lab(a)[0] - lab(b)[0]) > 11.5
-        assert all(np.linalg.norm(lab(eye @ a) - lab(eye @ b)) > 11.5 for eye in BLIND.values())
+        assert all(np.linalg.norm(lab(eye @ a) - lab(eye @ b)) > 11.5 for eye in BLIND)
     assert (np.diff([lab(linear(colour))[0] for colour, _ in curves.LOOKS[:3]]) > 11.5).all()
 
 
@@ -131,12 +125,9 @@ def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_i
     assert not any("proven" in state.words for state in S.STATES)
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [(["30"], "2 cells, 50 % settled; "), (["66"], "2 cells, 0 % settled; 0 failed, 2 absent")],
-)
-def test_all_are_settled_where_none_is_left(rows, words):
-    assert summary(with_summary(make_cells(rows))).startswith(words)
+@pytest.mark.parametrize(("row", "words"), SETTLED)
+def test_all_are_settled_where_none_is_left(row, words):
+    assert summary(with_summary(make_cells([row]))).startswith(words)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -263,11 +254,8 @@ def test_a_plot_takes_only_the_thresholds_of_its_cells():
     found, plot = make_found(), partial(snapmap.plot_outcome, TINY)
     one = plot(axes(), thresholds=found.isel(C=[0]))
     assert "threshold" in {line.get_label() for line in one.lines}
-    wrong = {
-        "has several C": found,
-        "C is 200.0, but 25.0 in the cube": found.isel(C=1),
-        "have no axis f0": found.isel(C=0, f0=0),
-    }
+    wrong = {"has several C": found, "have no axis f0": found.isel(C=0, f0=0)}
+    wrong["C is 200.0, but 25.0 in the cube"] = found.isel(C=1)
     for words, thresholds in wrong.items():
         with pytest.raises(ValueError, match=f"^thresholds: {words}"):
             plot(axes(), thresholds=thresholds)
@@ -316,7 +304,6 @@ def test_shocks_stand_where_they_are_and_names_are_no_mathematics():
 
 
 COLUMNS = "N,f0 (Hz),name,snapped\n1000,400,bench,yes\n\n1100,800,,NO\n900,1e3,,\n"
-FAULTS = cases_of(__file__)
 READ = {COLUMNS: (*POINTS, Point("", 900.0, 1000.0, None))}
 READ["duration,N\n0.5,70\n"] = (Point("", 70.0, 2e3, None),)
 

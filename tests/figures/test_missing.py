@@ -38,10 +38,8 @@ def made(handout):
     """A small result behind each figure, by the function that draws it."""
     study = Study(handout, model={"name": "cosines", "modes": 3}, horizon=100.0)
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
-    how_study = SHORT
-    how = {"samples": 4, "index_samples": 4}
-    how["requirements"] = [REQUIRED | {"survives": True}]
-    made = snapmap.tolerance(Study(handout, **how_study), {"thickness": 0.05}, **axes, **how)
+    how = {"samples": 4, "index_samples": 4, "requirements": [REQUIRED | {"survives": True}]}
+    made = snapmap.tolerance(Study(handout, **SHORT), {"thickness": 0.05}, **axes, **how)
     points = {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}
     edges = snapmap.threshold(Study(handout, **MODEL), **axes)
     return {
@@ -93,10 +91,7 @@ FIGURES = {
     "statics": ("statics", on_figure(draw_statics)),
     **dict.fromkeys(("probability", "sensitivity", "yield"), ("tolerances", None)),
     "calibration": ("calibration", on_figure(draw_calibration)),
-    "margins": (
-        "verdicts",
-        lambda data, figure: draw_margins(figure.subplots(), verdicts_of(data)),
-    ),
+    "margins": ("verdicts", on_axes(lambda ax, data: draw_margins(ax, verdicts_of(data)))),
     "window": ("window", on_figure(draw_window, UNITS)),
 }
 

@@ -12,11 +12,8 @@ from snapmap.applications.boundary.figure import draw_damage_boundary
 from snapmap.applications.histories.figure import draw_history
 from snapmap.figures import maps, scales, style, thresholds
 
-CELLS = make_cells(
-    ["2" * 12] * 5 + ["000022220000", "0" * 12, "000000000005"],
-    f0=np.geomspace(100, 1e4, 12),
-    N=np.linspace(800, 2500, 8),
-)
+ROWS = ["2" * 12] * 5 + ["000022220000", "0" * 12, "000000000005"]
+CELLS = make_cells(ROWS, f0=np.geomspace(100, 1e4, 12), N=np.linspace(800, 2500, 8))
 DRAW = {
     "map": lambda ax: snapmap.plot_outcome(CELLS, ax, thresholds=make_found().isel(C=0)),
     "thresholds": lambda ax: thresholds.draw_thresholds(ax, make_found()),

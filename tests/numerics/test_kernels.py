@@ -13,7 +13,7 @@ from snapmap import Study
 from snapmap.numerics.kernels import _hash, compiled
 from snapmap.solver.kernel import lanes, trace
 
-CASES = cases_of(__file__)
+OUTER, INNER = cases_of(__file__).values()
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ def test_a_kernel_is_compiled_by_a_single_process_of_its_own_source(root, tmp_pa
     folder = path.get("NUMBA_CACHE_DIR", "").split()
     for clone, factor, hits in (("one", 3.0, "01"), ("one", 5.0, "0"), ("other", 5.0, "1")):
         (place := tmp_path / clone).mkdir(exist_ok=True)
-        (place / "outer.py").write_text(CASES["outer"])
-        (place / "inner.py").write_text(CASES["inner"].format(factor=factor))
+        (place / "outer.py").write_text(OUTER)
+        (place / "inner.py").write_text(f"{INNER}    return {factor}")
         command = [sys.executable, "-B", "-c", "import outer"]
         runs = [subprocess.Popen(command, **how, cwd=place) for _ in hits]
         printed = [run.communicate(timeout=120)[0].split() for run in runs]

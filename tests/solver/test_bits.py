@@ -52,12 +52,8 @@ def test_a_hopeless_cell_is_failed_and_the_rest_goes_on(handout):
     assert cube.outcome.values.ravel().tolist() == [NEVER, FAILED]
 
 
-MODELS = {
-    "all modes": Elements(),
-    "elements": Elements(elements=10, modes=5),
-    "cosines": Cosines(modes=3),
-    "auto": Auto(),
-}
+MODELS = {"all modes": Elements(), "elements": Elements(elements=10, modes=5)}
+MODELS |= {"cosines": Cosines(modes=3), "auto": Auto()}
 
 
 @pytest.fixture(scope="module")

@@ -95,10 +95,7 @@ def test_stops_and_a_hard_contact_go_with_a_law_of_damping(handout):
 @pytest.mark.equation(13)
 @pytest.mark.parametrize(
     ("damping", "contact", "C"),
-    [
-        ("cubic_damping", "hertzian_contact", 4000.0),
-        ("squeeze_film", "fixed_mass", 200.0),
-    ],
+    [("cubic_damping", "hertzian_contact", 4000.0), ("squeeze_film", "fixed_mass", 200.0)],
 )
 def test_the_examples_of_laws_move_as_scipy_says(handout, root, damping, contact, C):
     """And come closer to it with the square of the step."""
@@ -224,20 +221,19 @@ def test_an_error_of_a_law_in_a_kernel_is_one_line(handout):
             raise ValueError("too fast")
         return C * velocity
 
-    with pytest.raises(
-        ValueError, match=r"\Amodel\.laws: .+, line \d+: damping: ValueError: too fast\Z"
-    ):
+    line = r"\Amodel\.laws: .+, line \d+: damping: ValueError: too fast\Z"
+    with pytest.raises(ValueError, match=line):
         follow(handout, COSINES, laws_of(damping=damping), 25.0)
+
+
+def falling(stiffness, overlap):
+    return -900.0 * overlap
 
 
 REFUSED = {
     "device.contact: hard": ({"contact": np.inf}, {"contact": two_sided}, {"modes": 3}),
     "device.stop_away": ({"stop_away": 3.0}, {"contact": two_sided}, {"modes": 3}),
-    r"model.laws: .+, line \d+: contact: falls": (
-        {},
-        {"contact": lambda k, s: -900.0 * s},
-        {"modes": 3},
-    ),
+    r"model.laws: .+, line \d+: contact: falls": ({}, {"contact": falling}, {"modes": 3}),
     "device.contact_at": ({"contact_at": -2.0}, {"contact": two_sided}, {"modes": 3}),
     "model.modes": ({}, {"force": lambda x: x * (x - 8) * (x - 18)}, {"modes": 3}),
 }

@@ -182,14 +182,9 @@ def test_products_are_made_that_laws_leave_as_they_are(root, law_file):
 
 
 def test_the_page_of_a_law_says_that_it_follows_no_shock(handout):
-    axes, model = (
-        ([900.0], [F0], [3e4]),
-        {"model": Elements(laws={"damping": lambda C, v, y: C * v})},
-    )
-    cube, edges = (
-        snapmap.sweep(Study(handout, **model), *axes),
-        snapmap.threshold(handout, *axes[1:]),
-    )
+    axes, laws = ([900.0], [F0], [3e4]), {"damping": lambda C, v, y: C * v}
+    cube = snapmap.sweep(Study(handout, Elements(laws=laws)), *axes)
+    edges = snapmap.threshold(handout, *axes[1:])
     shown = {"horizon": 0.0, "title": "", "pulse": {}, "required": ()}
     text = page(cube, edges, shown | {"written": device_sections(handout)})
     assert OF_LAWS in text and '"pieces": null' in text and "critical: " not in text

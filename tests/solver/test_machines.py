@@ -8,13 +8,7 @@ import sys
 import pytest
 from small_studies import cases_of
 
-STUDY = cases_of(__file__)["study"]
-BITS = {
-    "cosines numbers": "5436d396a3af8a9a",
-    "reference numbers": "9d942870cac4291c",
-    "quality numbers": "26a137aced4f4e60",
-}
-"""Hashes of numbers, on x86-64 and on ARM: a file also names the version of Python."""
+STUDY, BITS = cases_of(__file__).values()
 IS_X86 = platform.machine() in ("x86_64", "AMD64")
 ANOTHER = {"OPENBLAS_CORETYPE": "Haswell", "NUMBA_CPU_NAME": "haswell"}
 """Vectors of 256 bits, in which LLVM takes its own order of instructions."""

@@ -63,12 +63,8 @@ def test_a_run_that_jumps_sees_what_one_does_that_follows_every_step(calm, pulse
     jumped, followed = both(calm, pulse, N, C, until)
     assert not are_the_same(jumped, followed)
     np.testing.assert_array_equal(jumped.well, followed.well)
-    for key, error in {
-        "t_snap": 1e-2,
-        "t_settled": 1e-2,
-        "pulse_work": 0.02,
-        "lowest": 1e-3,
-    }.items():
+    errors = {"t_snap": 1e-2, "t_settled": 1e-2, "pulse_work": 0.02, "lowest": 1e-3}
+    for key, error in errors.items():
         np.testing.assert_allclose(getattr(jumped, key), getattr(followed, key), atol=error)
     assert (jumped.energy_error < 1e-11).all()
 
@@ -101,10 +97,8 @@ def extremes(model, pulse, N, C):
     dt = model.time_steps(cells, Run().but(until="moved"))
     steps = np.ceil(cells.t_end / dt).astype(int)
     stress = np.broadcast_to(stress_rows(model), (N.size, *stress_rows(model).shape[1:]))
-    seen = [
-        [w.min(0), w.max(0), s.max(0)]
-        for _, (w, s) in watch(model, cells, dt, steps, "first", stress)
-    ]
+    watched = watch(model, cells, dt, steps, "first", stress)
+    seen = [[w.min(0), w.max(0), s.max(0)] for _, (w, s) in watched]
     alone = [
         [part.y for part in record(model, cells.take([i]), dt[[i]], jumps=True)[1]]
         for i in range(N.size)

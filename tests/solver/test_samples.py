@@ -11,12 +11,9 @@ from snapmap.solver.kernel.pulse import BLOCK, begin_pulse, no_pulse, set_out
 X = np.sort(np.random.default_rng(4).uniform(0, 1, 300))
 NOISE = np.random.default_rng(5).normal(size=300)
 NOISE[-1] = 0.0
-PULSES = {
-    "record": sampled(X, NOISE),
-    "few lines": sampled(np.array([0.0, 0.3, 0.31, 1.0]), np.array([0.5, 1.0, -0.2, 0.01])),
-    "jump": make_pulse("sawtooth"),
-    "lines": make_pulse("trapezoid"),
-}
+FEW = np.array([0.0, 0.3, 0.31, 1.0]), np.array([0.5, 1.0, -0.2, 0.01])
+PULSES = {"record": sampled(X, NOISE), "few lines": sampled(*FEW)}
+PULSES |= {"jump": make_pulse("sawtooth"), "lines": make_pulse("trapezoid")}
 
 
 @pytest.mark.parametrize("name", PULSES)

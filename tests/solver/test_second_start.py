@@ -63,12 +63,9 @@ def test_the_models_snap_from_the_second_shape_when_scipy_says(handout):
     cells = to_rows(0, 2e4, 25.0).cells(handout, -N, 0.0)
     seen = model.follow(cells, Run(horizon=0.0, until="snap", start="second"))
     assert seen.t_snap.item() == pytest.approx(run.t_events[0][0], rel=1e-5)
-    fast, slow = (
-        snapmap.sweep(
-            Study(handout, {"name": name, "elements": 3}, until="snap", **BACK), [N], [2e4], [25.0]
-        )
-        for name in ("elements", "reference")
-    )
+    models = [{"name": name, "elements": 3} for name in ("elements", "reference")]
+    studies = (Study(handout, model, until="snap", **BACK) for model in models)
+    fast, slow = (snapmap.sweep(study, [N], [2e4], [25.0]) for study in studies)
     assert slow.t_snap.item() == pytest.approx(fast.t_snap.item(), rel=1e-3)
 
 

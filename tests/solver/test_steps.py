@@ -9,23 +9,18 @@ from varied import alone
 from snapmap.beam.limit_loads import static_threshold
 from snapmap.device.device import Beam, Device, batch
 from snapmap.pulse.pulse import SHAPES, make_pulse
+from snapmap.solver import steps
 from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import FIRST, SECOND, SNAP, STAY, Run
-from snapmap.solver.steps import (
-    arch_frequency,
-    largest_speed,
-    strike_tightening,
-    strikes,
-)
 from snapmap.thresholds.probe import Probe, lowest_snap
 
 
 def test_the_arch_is_stiffer_than_its_bending_by_its_rise(handout):
     """Of a single cosine by 1 + 12 Q^2 / 8."""
     modal = build_model(handout, Cosines(modes=1)).modal
-    ratio = arch_frequency(modal) ** 2 / modal.stiffness[0]
+    ratio = steps.arch_frequency(modal) ** 2 / modal.stiffness[0]
     assert ratio == pytest.approx(1 + 1.5 * handout.beam.bistability**2, rel=1e-12)
 
 
@@ -34,7 +29,7 @@ def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
     modal, beam = build_model(handout, Cosines(modes=1)).modal, handout.beam
     tension = np.sqrt(beam.youngs_modulus * beam.area * handout.mass / beam.span)
     expected = tension * (2 * np.pi / beam.span) ** 2 / (3 * beam.density * beam.area)
-    assert strike_tightening(handout.mass, modal) == pytest.approx(expected, rel=1e-12)
+    assert steps.strike_tightening(handout.mass, modal) == pytest.approx(expected, rel=1e-12)
 
 
 def test_in_runs_to_the_end_a_tension_turns_the_fastest_mode_of_any_model_alike(handout):
@@ -52,28 +47,28 @@ def test_in_runs_to_the_end_a_tension_turns_the_fastest_mode_of_any_model_alike(
 def test_no_mass_on_its_spring_flies_faster(handout, f0):
     """By the answer to a half sine, which is near the bound where the pulse is short."""
     cells = to_cells(handout, 0, [-800.0], f0, 0.0, 0.0, 0, (make_pulse("half sine"),))
-    bound, frequency = largest_speed(handout, cells).item(), handout.mass_frequency
+    bound, frequency = steps.largest_speed(handout, cells).item(), handout.mass_frequency
     turn, rate = np.linspace(0.0, np.pi, 2001), np.pi * f0 * 1e-6
     per_us = 800.0 * handout.gravity * rate / (rate**2 - frequency**2)
     during = per_us * (np.cos(turn * frequency / rate) - np.cos(turn))
     after = 2 * per_us * np.cos(np.pi * frequency / rate / 2)
     share = max(abs(during).max(), abs(after)) / bound
     assert share <= 1 + 1e-12 and (share > 0.99 or f0 < 5e4)
-    assert largest_speed(alone(handout), cells) == 0.0
+    assert steps.largest_speed(alone(handout), cells) == 0.0
 
 
 def test_only_a_mass_that_was_thrown_far_or_against_a_stop_strikes_the_first_shape_fast(handout):
     up, down = (make_pulse(), make_pulse().reversed())
     cells = to_cells(handout, 0, 5000.0, 3e3, 0.0, 0.0, np.array([0, 1]), (up, down))
-    fastest, stopped = largest_speed(handout, cells), replace(handout, stop_away=2.0)
+    fastest, stopped = steps.largest_speed(handout, cells), replace(handout, stop_away=2.0)
     weak = cells._replace(amplitude=cells.amplitude / 100)
     swing = fastest[1] / handout.mass_frequency
     assert 3.0 * handout.beam.rise < swing < 300 * handout.beam.rise
-    np.testing.assert_array_equal(strikes(handout, weak, FIRST), np.zeros((2, 2)))
-    np.testing.assert_array_equal(strikes(handout, cells, FIRST), [[0.0, fastest[1]], [0, 1]])
-    np.testing.assert_array_equal(strikes(handout, cells, SECOND)[0], fastest)
+    np.testing.assert_array_equal(steps.strikes(handout, weak, FIRST), np.zeros((2, 2)))
+    np.testing.assert_array_equal(steps.strikes(handout, cells, FIRST), [[0.0, fastest[1]], [0, 1]])
+    np.testing.assert_array_equal(steps.strikes(handout, cells, SECOND)[0], fastest)
     expected = [[0.0, fastest[1] / 100], [1, 1]]
-    np.testing.assert_allclose(strikes(stopped, weak, FIRST), expected, rtol=1e-12)
+    np.testing.assert_allclose(steps.strikes(stopped, weak, FIRST), expected, rtol=1e-12)
     strong = cells._replace(amplitude=1e6 * fastest)
     models = (build_model(device, Cosines(modes=3)) for device in (handout, stopped))
     usual, shorter = (model.time_steps(strong, Run())[0] for model in models)
@@ -90,7 +85,7 @@ def test_a_light_mass_thrown_far_and_a_beam_pulled_far_snap_where_they_do_in_sho
     swings = device.beam.rise * device.mass_frequency * np.geomspace(3.1, 12.0, 12)
     pulse, C = make_pulse("trapezoid").reversed(), 0.05 * np.sqrt(device.spring * device.mass)
     one = to_cells(model.device, 0, [1.0], f0, C, 1e3, 0, (pulse,))
-    N = swings / largest_speed(model.device, one)
+    N = swings / steps.largest_speed(model.device, one)
     if is_alone:
         model, N, C = build_model(alone(device), Cosines(modes=11)), np.geomspace(5e3, 7e4, 12), 0.0
     cells = to_cells(model.device, 0, N, f0, C, 1e3, 0, (pulse,))

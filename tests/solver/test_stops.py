@@ -122,10 +122,8 @@ def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
     N = np.linspace(0.25, 1.0, 16) * highest
     cells = to_cells(device, 0, N, f0, 0.0, 200.0, 0, (make_pulse(shape).reversed(),))
     settings = Run(horizon=200.0, until="snap")
-    usual, fine = (
-        np.isfinite(each.follow_once(cells, settings).t_snap)
-        for each in (model, model.with_step(0.125))
-    )
+    models = model, model.with_step(0.125)
+    usual, fine = (np.isfinite(each.follow_once(cells, settings).t_snap) for each in models)
     np.testing.assert_array_equal(usual, fine)
 
 

@@ -61,11 +61,8 @@ def test_no_study_ends_without_a_table_or_a_word(tmp_path, monkeypatch):
     """Whatever ends it: a library, a signal, or its last line before it has written."""
     monkeypatch.chdir(tmp_path)
     write = "from studies.tables import Table, write; write('laws', Table('laws', ['a'], [['1']]))"
-    for line, word in {
-        "import os; os._exit(0)": "without a table",
-        "import os; os.kill(os.getpid(), 9)": "status -9",
-        "raise SystemExit(3)": "status 3",
-        write: "",
-    }.items():
+    ends = {"import os; os._exit(0)": "without a table", "raise SystemExit(3)": "status 3"}
+    ends |= {"import os; os.kill(os.getpid(), 9)": "status -9", write: ""}
+    for line, word in ends.items():
         fault = fault_of([sys.executable, "-c", line])
         assert word in fault and bool(fault) == bool(word)

@@ -1,9 +1,5 @@
 """Datasets of plain arrays are those of xarray, made without packages of other arrays."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import xarray as xr
 from small_studies import cases_of
@@ -27,8 +23,6 @@ def test_a_dataset_is_that_of_xarray():
     assert made.indexes["C"].equals(by_xarray.indexes["C"])
 
 
-def test_a_threshold_imports_neither_dask_nor_pint(root):
-    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", cases_of(__file__)["first"]]
-    said = subprocess.check_output(command, cwd=root, env=environment, text=True)
-    assert said == "set()\n"
+def test_a_threshold_imports_neither_dask_nor_pint(python):
+    said, faults = python(*cases_of(__file__).values())
+    assert said == "set()\n", faults

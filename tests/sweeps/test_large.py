@@ -1,9 +1,5 @@
 """A cube of 10^8 cells, made of synthetic slabs: collected within 1 GiB."""
 
-import os
-import subprocess
-import sys
-
 import netCDF4
 import numpy as np
 import pytest
@@ -15,6 +11,7 @@ from snapmap.solver.outcome import LATCHED, NEVER
 
 AXES = {"C": np.linspace(0.5, 50, 100), "f0": np.geomspace(100, 30e3, 1000)}
 AXES |= {"N": np.linspace(600, 2400, 1000)}
+(COLLECT,) = cases_of(__file__).values()
 
 
 def values(C, f0, N):
@@ -25,7 +22,7 @@ def values(C, f0, N):
 
 
 @pytest.mark.long
-def test_collecting_takes_less_than_a_gibibyte(root, tmp_path):
+def test_collecting_takes_less_than_a_gibibyte(python, tmp_path):
     for number, C in enumerate(AXES["C"]):
         slab = AXES | {"C": np.array([C])}
         with netCDF4.Dataset(tmp_path / f"{number:012x}.nc", "w") as file:
@@ -39,11 +36,8 @@ def test_collecting_takes_less_than_a_gibibyte(root, tmp_path):
     folder = tmp_path / "cube"
     folder.mkdir()
     np.savez(folder / "axes.npz", **AXES)
-    paths = tmp_path, folder / "axes.npz", folder / "cube.nc"
-    environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    command = [sys.executable, "-c", cases_of(__file__)["collect"], *paths]
-    peak = subprocess.check_output(command, env=environment, text=True).splitlines()[-1]
-    assert float(peak) < 1
+    said, faults = python(COLLECT, tmp_path, folder / "axes.npz", folder / "cube.nc")
+    assert float(said.splitlines()[-1]) < 1, faults
     with xr.open_dataset(folder / "cube.nc") as whole:
         counts = {name: whole.attrs[f"cells_{name}"] for name in ("never", "latched")}
         assert sum(counts.values()) == whole.outcome.size == 10**8

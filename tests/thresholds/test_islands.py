@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from small_studies import cases_of
 
 import snapmap
 from snapmap import Study
@@ -19,27 +20,17 @@ from snapmap.thresholds.ragged import CLEAN_REACH, scan_ragged
 from snapmap.thresholds.search import Search, close_edges
 from snapmap.thresholds.survey import lowest, survey
 
-COSINES = {"cosine_2": 0.0747, "cosine_3": 0.01195, "cosine_4": -0.0062, "cosine_5": -0.0213}
-THIN = Beam(185.255, 1.915, 0.3642, 10.63, 121.9e3, 2.33e-3, 0.0063, -2.965, **COSINES)
-STOPS = {"stop_toward": 1.778, "stop_away": 3.515, "restitution": 0.22}
-MEASURED = Device(THIN, 735.0, 0.688, 56.9, 9.81e-6, **STOPS)
-TILTS = Beam(480.0, 9.0, 1.5, 15.0, 165e3, 2.33e-3, imperfection=0.01, free=1.0)
-TILTED = Device(TILTS, 6000.0, 2.0, 120.0, 9.81e-6)
-BACK = {"start": "second", "pulse": make_pulse("half sine"), "horizon": 616.0}
-THERE = {"start": "first", "pulse": make_pulse(), "horizon": 1500.0}
-TILTING = TILTED, 9e3, 25.0, THERE, np.linspace(1041.0, 1131.0, 46)
+CASES, MARKS = cases_of(__file__)["maps"], ([], [pytest.mark.long])
+"""Of 22 modes the kernel takes most of a minute to compile."""
 
 
 @pytest.mark.parametrize(
-    ("device", "f0", "C", "how", "N"),
-    [
-        (MEASURED, 5e4, 139.7, BACK, np.linspace(185e3, 285e3, 21)),
-        # Of 22 modes the kernel takes most of a minute to compile.
-        pytest.param(*TILTING, marks=pytest.mark.long),
-    ],
+    ("beam", "device", "f0", "C", "how", "N"),
+    [pytest.param(*case, marks=marks) for case, marks in zip(CASES, MARKS, strict=True)],
 )
-def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(device, f0, C, how, N):
-    rows = to_rows(0, f0, C, 0, [how["pulse"]])
+def test_maps_and_thresholds_have_the_islands_of_eleven_cosines(beam, device, f0, C, how, N):
+    device, N = Device(Beam(**beam), **device), np.linspace(*N)
+    rows = to_rows(0, f0, C, 0, [make_pulse(how["pulse"])])
     settings = Run(horizon=how["horizon"], start=how["start"])
     eleven = build_model(batch([device]), Cosines(modes=11))
 

@@ -19,14 +19,7 @@ from snapmap.solver.cells import to_cells, to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
-from snapmap.thresholds.slow import (
-    departure_rate,
-    fall,
-    first_obstacle,
-    growth_rate,
-    is_slow,
-    slow_factor,
-)
+from snapmap.thresholds import slow
 from snapmap.thresholds.summary import summary, tidy
 from snapmap.thresholds.survey import FOUND, NOT_FOLLOWED, NOTHING_SNAPS
 
@@ -66,11 +59,11 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
         energy = 192 * beam.stiffness_unit * (beam.rise - beam.second_equilibrium) ** 2 / 2
     model = build_model(batch([device]), Cosines(modes=18))
     assert (model.barrier.energy.item() == 0) == tilts_out
-    slow, fast = least_amplitudes(model, to_rows(0, [10.0, 1e5], 25.0))
+    low, high = least_amplitudes(model, to_rows(0, [10.0, 1e5], 25.0))
     by_sag = np.sqrt(energy / 2 / compliance(handout)) / 2 / handout.gravity
-    assert slow == pytest.approx(by_sag, rel=1e-5)
+    assert low == pytest.approx(by_sag, rel=1e-5)
     speed = np.sqrt(2 * energy / (handout.mass + beam.weight))
-    assert fast == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
+    assert high == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -156,29 +149,31 @@ def test_the_handouts_mass_departs_in_68_us(handout):
     for contact, kappa in ((40.0, 2.166601), (math.inf, 0.93352)):
         assert 1 / (1 / s - 1 / contact) - 5.5 == pytest.approx(kappa, rel=1e-6)
         for C in (0.0, 0.025, 25.0, 1e4):
-            sigma = departure_rate(varied(handout, contact=contact), C)
+            sigma = slow.departure_rate(varied(handout, contact=contact), C)
             assert 1e4 * sigma**2 + C * sigma == pytest.approx(kappa, rel=1e-6)
-    assert departure_rate(handout, 0.0) == pytest.approx(0.0147194, rel=1e-5)
-    assert 2 / departure_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
+    assert slow.departure_rate(handout, 0.0) == pytest.approx(0.0147194, rel=1e-5)
+    assert 2 / slow.departure_rate(handout, 0.025) == pytest.approx(135.89, rel=1e-4)
 
 
 @pytest.mark.equation(44, 45)
 def test_a_versed_sine_follows_its_closed_form_and_any_smooth_pulse_its_curvature():
     """I = (1 - cos(2 pi x + b) cos b)/2 with tan b = 2 pi f0/sigma, until the pulse ends."""
-    factor = slow_factor(make_pulse(), SWINGS)
+    factor = slow.slow_factor(make_pulse(), SWINGS)
     closed = 1 + np.tan(np.arctan(2 * np.pi / SWINGS) / 2) ** 2
     np.testing.assert_allclose(factor[:3], closed[:3], rtol=2e-7)
     for shape, bend in ("versed sine", 2 * np.pi**2), ("half sine", np.pi**2):
-        excess = slow_factor(make_pulse(shape), SWINGS)[1] - 1
+        excess = slow.slow_factor(make_pulse(shape), SWINGS)[1] - 1
         assert excess == pytest.approx(bend / 2 / SWINGS[1] ** 2, rel=2e-3)
     x = np.linspace(0, 1, 2001)
     record = sampled(1e4 * x, make_pulse().at(x))
-    np.testing.assert_allclose(slow_factor(record, SWINGS), factor, rtol=1e-6)
+    np.testing.assert_allclose(slow.slow_factor(record, SWINGS), factor, rtol=1e-6)
     twice = sampled(1e4 * x, 0.5 * make_pulse().at(2 * x) + make_pulse().at(2 * x - 1))
-    np.testing.assert_allclose(slow_factor(twice, 2 * SWINGS), factor, rtol=1e-5)
-    assert slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(np.ones(2), abs=1e-12)
+    np.testing.assert_allclose(slow.slow_factor(twice, 2 * SWINGS), factor, rtol=1e-5)
+    assert slow.slow_factor(make_pulse("trapezoid"), SWINGS[:2]) == pytest.approx(
+        np.ones(2), abs=1e-12
+    )
     for pulse in (make_pulse("sawtooth"), make_pulse().reversed()):
-        assert np.isnan(slow_factor(pulse, SWINGS)).all()
+        assert np.isnan(slow.slow_factor(pulse, SWINGS)).all()
 
 
 @pytest.mark.equation(43, 44, 45)
@@ -186,9 +181,9 @@ def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
     f0, C = [50.0, 100.0, 200.0], [0.025, 25.0]
     edges = snapmap.threshold(Study(handout, "3 cosines"), f0, C, tolerance=1e-5)
     np.testing.assert_allclose(edges.N_slow, edges.N_first, rtol=1e-3)
-    assert edges.dwell.values.tolist() == [2 / departure_rate(handout, c) for c in C]
+    assert edges.dwell.values.tolist() == [2 / slow.departure_rate(handout, c) for c in C]
     # N_static of the exact beam is 2e-4 above that of three cosines.
-    rise = (math.pi * 1e-6 / departure_rate(handout, 0.025)) ** 2 * 37500
+    rise = (math.pi * 1e-6 / slow.departure_rate(handout, 0.025)) ** 2 * 37500
     for N in (edges.N_first, edges.N_slow):
         assert (N[0, 2] - N[0, 0]) / edges.N_static == pytest.approx(rise, rel=0.04)
 
@@ -196,7 +191,7 @@ def test_thresholds_of_slow_pulses_are_those_of_the_dwell(handout):
 def law_of(device):
     """Rate at C = 0.025, and why there is none."""
     static = static_threshold(device)
-    return growth_rate(device, 0.025, static), first_obstacle(device, static)
+    return slow.growth_rate(device, 0.025, static), slow.first_obstacle(device, static)
 
 
 @pytest.mark.parametrize(("values", "reason"), CASES["obstacles"])
@@ -210,7 +205,7 @@ def test_where_the_dwell_is_no_constant_it_is_unknown_for_a_reason(handout, valu
 
 def test_what_is_far_from_the_corner_leaves_the_dwell_as_it_is(handout):
     for values in ({"stop_toward": 60.0, "stop_away": 5.0}, {"residual_stress": -3.0}):
-        assert law_of(varied(handout, **values)) == (departure_rate(handout, 0.025), "")
+        assert law_of(varied(handout, **values)) == (slow.departure_rate(handout, 0.025), "")
 
 
 @pytest.mark.parametrize("values", [{}, {"residual_stress": -3.0}, {"cosine_3": 0.05}])
@@ -219,12 +214,12 @@ def test_the_fall_ends_at_the_saddle_where_the_spring_alone_holds_the_mass(hando
     static, beam = static_threshold(device), device.beam
     way = -find_barrier(beam, shapes_of(beam)).midpoint
     held = device.spring * way / (device.mass * device.gravity)
-    assert fall(device, static) == pytest.approx(1 - held / static, rel=1e-6)
+    assert slow.fall(device, static) == pytest.approx(1 - held / static, rel=1e-6)
 
 
 def test_a_shock_is_slow_by_its_steepest_slope():
     """A versed sine up to an excess of a fifth of the fall; a pulse that jumps never is."""
     swings = math.pi / np.sqrt([0.0199, 0.0201, 1e-9])
-    assert is_slow(make_pulse(), swings, 0.1).tolist() == [True, False, True]
-    assert is_slow(make_pulse("trapezoid"), swings, 0.1).tolist() == [False, False, True]
-    assert not is_slow(make_pulse("sawtooth"), swings, 0.1).any()
+    assert slow.is_slow(make_pulse(), swings, 0.1).tolist() == [True, False, True]
+    assert slow.is_slow(make_pulse("trapezoid"), swings, 0.1).tolist() == [False, False, True]
+    assert not slow.is_slow(make_pulse("sawtooth"), swings, 0.1).any()

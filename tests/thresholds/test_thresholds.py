@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from known_model import Known
 from small_studies import cases_of
 from varied import varied
 
@@ -12,7 +13,7 @@ from snapmap import Study
 from snapmap.device.device import batch
 from snapmap.pulse.shocks import HANDOUT_SHOCK
 from snapmap.solver.adaptive import Survey
-from snapmap.solver.cells import no_observations, to_rows
+from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
 from snapmap.solver.options import Cosines
 from snapmap.solver.outcome import LATCHED, REPEATED_STEP, label
@@ -49,23 +50,6 @@ def test_the_place_on_a_grid_does_not_depend_on_the_guess():
     assert walk(label, rows, 3, size, 10).tolist() == [3, 3, 23, 63, 64]
 
 
-class Snapping:
-    """A model of which all N in given stretches snap, but in rows of a strong damper."""
-
-    def __init__(self, device, ends):
-        self.device, self.ends = device, np.reshape(ends, (-1, 2))
-
-    def follow(self, cells, settings):
-        low, high = self.ends.T
-        N = cells.amplitude[:, np.newaxis] / self.device.gravity[0]
-        snaps = ((low <= N) & (high >= N)).any(axis=1) & (cells.damping < 50)
-        t_snap = np.where(snaps, 1.0, np.nan)
-        return no_observations(t_snap.shape)._replace(t_snap=t_snap, energy_error=0 * N[:, 0])
-
-    def with_step(self, factor):
-        return Snapping(self.device, SIMPLE)
-
-
 class Bounded(Search):
     """A search whose models know no energy."""
 
@@ -73,14 +57,15 @@ class Bounded(Search):
 
 
 SIMPLE = [1.0, 9.0]
+ROWS = to_rows(0, 9e3, [1 / 18e3, 1e3])
+"""Of a threshold of 1, in a beam 2 um thick, and of one far above all that is tried."""
 
 
 @pytest.mark.parametrize(("scanned", "decided", "highest"), cases_of(__file__)["islands"])
 def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided, highest):
-    device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
-    scans, decides = (Snapping(device, ends) for ends in (scanned, decided))
+    scans, decides = (Known(batch([handout]), ends) for ends in (scanned, decided))
     models = Survey(scans, decides, decides, (scans,), None, np.ones(1))
-    search = Bounded(models, rows, Run(), 1e-6, highest)
+    search = Bounded(models, ROWS, Run(), 1e-6, highest)
     changes = find_changes(search)
     edges = refine_edges(search.probe(decides), changes.edges, changes.ragged, 1e-6)
     N_first, N_always, islands = stretches(edges, changes.is_open)
@@ -92,24 +77,12 @@ def test_islands_are_seen_once_and_their_ends_refined(handout, scanned, decided,
     assert np.isnan(np.transpose(islands)[:, 1]).all()
 
 
-class SecondOrder(Snapping):
-    """A model whose threshold is 1 + 1e-3 h^2 in steps h."""
-
-    def __init__(self, device, h):
-        super().__init__(device, [1 + 1e-3 * h * h, 9.0])
-        self.h = h
-
-    def with_step(self, factor):
-        return SecondOrder(self.device, factor * self.h)
-
-
 @pytest.mark.parametrize("h", [0.3, 1.0, 3.0])
 def test_a_bar_holds_the_error_of_a_step_of_second_order(handout, h):
     """By one other step; models differ in nothing else."""
-    device, rows = batch([handout]), to_rows(0, 100.0, [25.0, 100.0])
-    model = SecondOrder(device, h)
+    model = Known(batch([handout]), SIMPLE, (0.0, 1e-3), h)
     models = Survey(model, model, model, (model,), None, np.ones(1))
-    search = Bounded(models, rows, Run(), 1e-6)
+    search = Bounded(models, to_rows(0, 100.0, [1 / 200, 1e3]), Run(), 1e-6)
     changes = find_changes(search)
     (bar, _), (ragged, _) = make_bars(search, changes)
     error = changes.N_first[0] - 1
@@ -117,30 +90,15 @@ def test_a_bar_holds_the_error_of_a_step_of_second_order(handout, h):
     assert error <= bar <= 2.5 * error + 1e-5
 
 
-class Steady(Snapping):
-    """A model that no step changes."""
-
-    def with_step(self, factor):
-        return self
-
-
-BARS = [
-    ([1.003, 9.0], [0.998, 9.0], None, 0.005),  # the better model itself is off by 0.002
-    ([1.003, 9.0], SIMPLE, None, 0.003),
-    (SIMPLE, SIMPLE, [0.994, 0.996, 1.0, 9.0], 0.006),
-    (SIMPLE, SIMPLE, [1.0, 1.003, 1.006, 9.0], 0.0),
-]
-
-
-@pytest.mark.parametrize(("worse", "better", "finest", "bar"), BARS)
+@pytest.mark.parametrize(("worse", "better", "finest", "bar"), cases_of(__file__)["bars"])
 def test_a_bar_reaches_other_models_and_islands_that_only_the_finest_sees(
     handout, worse, better, finest, bar
 ):
-    device, rows = batch([handout]), to_rows(0, 9e3, [25.0, 100.0])
-    decides, *others = (Steady(device, ends) for ends in (SIMPLE, worse, better))
+    device = batch([handout])
+    decides, *others = (Known(device, ends) for ends in (SIMPLE, worse, better))
     models = Survey(decides, decides, decides, tuple(others), None, np.ones(1))
-    models = models._replace(finest=Steady(device, finest) if finest else None)
-    search = Bounded(models, rows, Run(), 1e-6)
+    models = models._replace(finest=Known(device, finest) if finest else None)
+    search = Bounded(models, ROWS, Run(), 1e-6)
     (made, none), (ragged, _) = make_bars(search, find_changes(search))
     step = CLOSE_STEP * CLOSE_PLACES[0] + 3e-6
     assert bar <= made <= 1.25 * bar + 2 * step and np.isnan(none) and not ragged

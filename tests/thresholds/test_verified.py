@@ -3,16 +3,20 @@
 import numpy as np
 import pytest
 import xarray as xr
+from known_model import Known
+from varied import alone
 
 import snapmap
 from snapmap import Study
+from snapmap.device.device import batch
 from snapmap.numerics.portable import linear
+from snapmap.pulse.pulse import make_pulse
+from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import to_rows
-from snapmap.solver.models import build_model
-from snapmap.solver.options import Cosines
 from snapmap.solver.settings import Run
 from snapmap.thresholds import verified
 from snapmap.thresholds.probe import Probe, nearby
+from snapmap.thresholds.search import FAST_PULSE, RINGING, Search, is_fast, is_ringing
 from snapmap.thresholds.verified import Expected, fill
 
 HOW = {"model": "3 cosines", "horizon": 300.0}
@@ -51,14 +55,44 @@ def test_a_cubic_is_expected_as_it_is_and_only_what_departs_from_one_is_searched
     assert len(verified) > x.size / 2
 
 
+SLOW, EXACT = to_rows(0, 100.0, np.full(4, 1.00005 / 200)), 1.00005
+"""Rows of a known threshold."""
+
+
 def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
-    model = build_model(handout, Cosines(modes=3))
-    rows = to_rows(0, 1000.0, np.full(4, 25.0))
-    known = snapmap.threshold(Study(handout, **HOW), [1000.0], **ASKED)
-    guess = known.N_first.item() * np.array([0.9994, 1.0, 1.0006, 1.01])
-    _, N = nearby(Probe(model, rows, Run(horizon=300.0)), guess, 1e-4)
-    assert N[0] == N[1] == N[2] == pytest.approx(known.N_first.item(), rel=1e-4)
-    assert np.isnan(N[3])
+    guess = np.array([0.9994, 1.0, 1.0006, 1.01])
+    low, N = nearby(Probe(Known(batch([handout])), SLOW, Run()), guess, 1e-4)
+    assert N[0] == N[1] == N[2] > EXACT > low[2] > N[2] / 1.0001 and np.isnan(N[3])
+
+
+@pytest.mark.parametrize(
+    ("ends", "highest"), [([1, 9], None), ([1, 9], 1.0), ([0.91, 0.93, 1, 9], None)]
+)
+def test_a_verified_threshold_is_as_near_as_its_bar_says(handout, monkeypatch, ends, highest):
+    """None is where it is expected a thousandth off, or where a row snaps below it, too."""
+    monkeypatch.setattr(verified, "least_amplitudes", lambda model, rows, start: 0.1 + 0 * rows.f0)
+    model = Known(batch([handout]), ends)
+    finer = Survey(model, model, model, (model,), None, np.ones(1))
+    search = Search(finer._replace(finer=finer), SLOW, Run(), 1e-4, highest)
+    N, level = np.array([1.0, 0.9994, 1.0006, 1.0013]), np.array([0, 1, 0, 0])
+    made = verified._verify(search, Expected(N, np.full(4, 0.02), level, N > 0))
+    exact = np.where((N < 1.001) & (len(ends) == 2), EXACT, np.nan)
+    np.testing.assert_allclose(made["N_first"], exact, atol=7e-5)
+    np.testing.assert_allclose(made["N_error"], 0.0201 * exact + abs(exact - N), atol=7.2e-5)
+    np.testing.assert_array_equal(made["N_always"], made["N_first"] if not highest else np.nan * N)
+    np.testing.assert_allclose([made["N_looked"], made["level"]], [1.9 * N, level])
+
+
+def test_rows_ring_or_are_fast_by_their_pulse_and_damper(handout):
+    """Of a ramp of a tenth of the pulse; a beam alone has no damper."""
+    ramps = make_pulse("trapezoid", rise=0.1, fall=0.1)
+    for device, delay in ((handout, 25.0 / 5.5), (alone(handout), 0.0)):
+        frequency, share = device.own_frequency, np.array([0.99, 1.01])
+        f0 = share * RINGING / 20e-6 / (1 / frequency + delay)
+        rings = is_ringing(batch([device]), to_rows(0, f0, 25.0, 0, [ramps]))
+        f0 = share * FAST_PULSE * frequency / (2e-6 * np.pi)
+        fast = is_fast(batch([device]), to_rows(0, f0, 25.0, 0, [ramps]))
+        assert rings.tolist() == fast.tolist() == [False, True]
 
 
 def test_verified_thresholds_are_those_of_a_search(handout, monkeypatch):

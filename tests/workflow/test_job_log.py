@@ -14,11 +14,12 @@ from small_workflow import wait_for
 
 from snapmap.workflow.job_log import job_log
 
+(JOB,) = cases_of(__file__).values()
+
 
 def test_a_job_ends_with_its_run(root, tmp_path):
     environment = os.environ | {"PYTHONPATH": str(root / "workflow" / "scripts")}
-    job = cases_of(__file__)["job"]
-    start = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {job!r}])"
+    start = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {JOB!r}])"
     run = subprocess.Popen([sys.executable, "-c", start], cwd=tmp_path, env=environment)
     assert wait_for((tmp_path / "log").exists)
     (job,) = psutil.Process(run.pid).children()

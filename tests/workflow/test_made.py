@@ -53,11 +53,8 @@ def test_what_is_not_as_a_plan_makes_it_is_told_with_the_reason(results):
     plan = dict.fromkeys([*names, "results/none.nc"], "abc") | {old: "other"}
     assert made.find_others(plan) == [old, edited, foreign]
     words = "to be made again, as not of this study and code"
-    reasons = (
-        "made for another config or by other code",
-        "changed since",
-        "unknown to results/made.txt",
-    )
+    reasons = "made for another config or by other code", "changed since"
+    reasons += ("unknown to results/made.txt",)
     for others, why in zip(([old], [old, edited], [old, edited, foreign]), reasons, strict=True):
         assert made.say_why(others) == f"{', '.join(others)}: {words} ({why})"
     made.hold_to_list([old, right, foreign])

@@ -2,14 +2,13 @@
 
 import io
 import logging
-import os
 import signal
-import subprocess
 import sys
 from contextlib import closing
 from pathlib import Path
 
 import pytest
+from small_studies import cases_of
 
 from snapmap.workflow.job_log import count_path
 from snapmap.workflow.progress import STOPPED, Progress
@@ -58,18 +57,9 @@ def test_a_log_has_each_stage_once(monkeypatch):
     assert said == "Simulate the cells\nFind the thresholds\n"
 
 
-def test_a_job_that_counts_leaves_no_semaphore_behind():
+def test_a_job_that_counts_leaves_no_semaphore_behind(python):
     """It ends by os._exit; processes that are not forked keep those that they named."""
-    code = """if True:
-        import multiprocessing, os
-        multiprocessing.set_start_method("spawn")
-        from snapmap.files.counting import counting
-        with counting("", file=open(os.devnull, "w"), disable=False):
-            os._exit(0)"""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert python(cases_of(__file__)["counting"]) == ("counted\n", "")
 
 
 def test_faults_are_not_hushed():

@@ -14,8 +14,7 @@ from small_studies import cases_of
 from small_workflow import wait_for
 
 ROOT = Path(__file__).resolve().parents[2]
-
-FAKES = cases_of(__file__)
+MAKE_VENV, FAKE_PYTHON, FAKE_UV = cases_of(__file__).values()
 LOCK = "locks/requirements.lock"
 
 
@@ -29,15 +28,14 @@ class Clone:
         shutil.copy(ROOT / "run", folder)
         (folder / LOCK).write_text("# nothing\n")
         for name in ("python3", *(f"python3.{minor}" for minor in range(11, 15))):
-            self.fake(name, FAKES["python"])
-        self.fake("make_venv", FAKES["make_venv"])
+            self.fake(name, FAKE_PYTHON)
         self.change("pass")
         path = f"{self.fakes}:/usr/bin:/bin"
         self.environment = {"HOME": str(tmp / "home"), "TMPDIR": str(tmp), "PATH": path}
 
     def fake(self, name, text):
-        text = text.replace("@fakes@", str(self.fakes)).replace("@python@", sys.executable)
-        (self.fakes / name).write_text(text)
+        known = f"#!/bin/sh\nfakes='{self.fakes}' python='{sys.executable}'\n{MAKE_VENV}"
+        (self.fakes / name).write_text(known + text)
         (self.fakes / name).chmod(0o755)
 
     def change(self, python_code):
@@ -143,8 +141,7 @@ def test_run_installs_once_and_beside_after_lock_path_or_python_change(clone, tm
 def test_what_anything_writes_installs_nothing_anew(clone):
     clone.run("true")
     for name in ("python3", "../clone/.venv/bin/python"):
-        text = (clone.fakes / name).read_text()
-        clone.fake(name, text.replace("\n", "\necho noise; echo noise >&2\n", 1))
+        clone.fake(name, f"echo noise; echo noise >&2\n{FAKE_PYTHON}")
     clone.environment["LD_PRELOAD"] = "/nonexistent.so"
     assert "installing" not in clone.run("true").stderr
     del clone.environment["LD_PRELOAD"]
@@ -213,7 +210,7 @@ NEITHER = "sys.modules.update(ensurepip=None, pip=None)"
 def test_a_fault_is_one_line(clone, change):
     runs = {"no command given": clone.run()}
     clone.change(change)
-    clone.fake("uv", "#!/bin/sh\necho no network >&2\nexit 1\n")
+    clone.fake("uv", "echo no network >&2\nexit 1\n")
     runs["apt install python3-venv (Debian, Ubuntu)"] = clone.run("true")
     for words, done in runs.items():
         (line,) = done.stderr.splitlines()
@@ -224,7 +221,7 @@ def test_a_fault_is_one_line(clone, change):
 def test_uv_makes_the_venv_where_no_python_can(clone, change, name):
     """One on PATH, or the one that pip brings."""
     clone.change(change)
-    clone.fake(name, FAKES["uv"])
+    clone.fake(name, FAKE_UV)
     done = clone.run("echo", "reached")
     assert done.stdout == "reached\n" and "run: installing" in done.stderr
     assert clone.venvs_made() == [str(clone.folder / ".venv")]
@@ -232,7 +229,7 @@ def test_uv_makes_the_venv_where_no_python_can(clone, change, name):
 
 def test_a_newer_python_than_was_tested_is_said_to_be_untested_and_taken(clone):
     clone.change(NEW)
-    clone.fake("uv", "#!/bin/sh\nexit 1\n")
+    clone.fake("uv", "exit 1\n")
     done = clone.run("echo", "reached")
     assert done.stdout == "reached\n" and "is untested" in done.stderr.splitlines()[0]
 

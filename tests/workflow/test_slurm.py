@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 import yaml
 from products import assert_whole
-from small_studies import TINY
+from small_studies import TINY, cases_of
 
 from snapmap.applications.whole import load_config
 from snapmap.sweeps.slabs import slab_name
@@ -19,23 +19,16 @@ from snapmap.workflow.plan import make_plan
 
 IN_SLABS = TINY.replace("points: 8", "points: 24000")
 """A grid that takes longer than the start of a job: a slab for each C."""
-STUBS = {
-    "sbatch": """echo "$@" >>'{asked}' && number=$(wc -l <'{asked}')
-for word; do case $word in --wrap=*) sh -c "${{word#--wrap=}}" >&2 ;; esac; done
-echo $number""",
-    "srun": """while [ "${{1#-}}" != "$1" ]; do shift; done; exec "$@\"""",
-    "squeue": "awk '{{ print NR \"|COMPLETED\" }}' '{asked}'",
-    "scontrol": "echo 'MinJobAge = 300 sec'",
-    **dict.fromkeys(("sinfo", "sacct", "sacctmgr", "scancel"), "true"),
-}
-"""Slurm as its users see it: a job runs while it is handed in, and what it asked for is noted."""
 
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    """The environment of a Slurm, and the file of what jobs asked for."""
+    """The environment of Slurm as users see it, and the file of what jobs asked for.
+
+    A job runs while it is handed in.
+    """
     folder = tmp_path_factory.mktemp("slurm")
-    for name, text in STUBS.items():
+    for name, text in cases_of(__file__).items():
         (folder / name).write_text(f"#!/bin/sh\n{text.format(asked=folder / 'asked')}\n")
         (folder / name).chmod(0o755)
     return os.environ | {"PATH": f"{folder}:{os.environ['PATH']}"}, folder / "asked"

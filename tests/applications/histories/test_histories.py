@@ -8,14 +8,7 @@ from small_studies import THREE_COSINES, cases_of, changed, faults
 from varied import alone, in_steps, varied
 
 import snapmap
-from snapmap.applications.histories import figure
-from snapmap.applications.histories.history import (
-    NEAR,
-    SAFETY,
-    extremes_of,
-    free_travel,
-    warn_of_travel,
-)
+from snapmap.applications.histories import figure, history
 from snapmap.applications.whole import load_config
 from snapmap.figures import style
 from snapmap.solver.cells import to_cells
@@ -60,7 +53,7 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
         snapmap.simulate(Study(device, model, horizon=end), *shot) for end in (200.0, 1500.0)
     )
     study = Study(device, model=model, horizon=1500.0)
-    extremes = extremes_of(study, *shot)._asdict()
+    extremes = history.extremes_of(study, *shot)._asdict()
     assert extremes == {key: long[key].item() for key in extremes}
     assert all(short[key] <= long[key] for key in extremes)
     assert short.stress_max_to_snap == long.stress_max_to_snap
@@ -137,7 +130,9 @@ def test_errors_cover_nine_of_ten_runs_in_a_quarter_of_the_step():
     assert known.sum() > 20
     for error, bar in ((work, work_bar), (snap, snap_bar)):
         assert np.mean((error <= bar)[known]) >= 0.9
-        assert np.mean((error <= bar / SAFETY)[known]) < 0.9  # the spread itself is no error
+        assert (
+            np.mean((error <= bar / history.SAFETY)[known]) < 0.9
+        )  # the spread itself is no error
 
 
 def test_a_cube_says_by_how_much_another_step_differs(handout):
@@ -158,9 +153,9 @@ def test_a_cube_says_by_how_much_another_step_differs(handout):
     assert (cube.t_snap_error.isnull() == cube.t_snap.isnull()).all()
 
 
-def curves_of(history):
+def curves_of(run):
     """The points of the lines in each of the three panels."""
-    panels = figure.draw_history(style.double_column(height=4.2).subplots(3, sharex=True), history)
+    panels = figure.draw_history(style.double_column(height=4.2).subplots(3, sharex=True), run)
     return [[np.transpose(line.get_data()).tolist() for line in ax.lines] for ax in panels]
 
 
@@ -218,9 +213,9 @@ def test_a_history_has_stops_blows_forces_and_thousands_of_instants(handout):
 
 def test_a_mass_that_flies_beyond_five_rises_on_a_side_without_a_stop_is_warned_of(handout):
     one = varied(handout, stop_away=20.0)
-    assert [free_travel(device, 30.0, 70.0) for device in (handout, one)] == [7.0, 3.0]
-    assert free_travel(varied(one, stop_toward=20.0), 30.0, 70.0) == 0.0
+    assert [history.free_travel(device, 30.0, 70.0) for device in (handout, one)] == [7.0, 3.0]
+    assert history.free_travel(varied(one, stop_toward=20.0), 30.0, 70.0) == 0.0
     with pytest.warns(UserWarning, match="the mass travels up to 7.67 times the rise, ") as warned:
         snapmap.simulate(Study(handout, **CHEAP, horizon=0.0), 20_000.0, 1e3, 25.0)
-    assert warned[0].filename == __file__ and warn_of_travel(5.0) is None
-    assert NEAR.tolist() == pytest.approx(np.linspace(0.99, 1.01, 21))
+    assert warned[0].filename == __file__ and history.warn_of_travel(5.0) is None
+    assert history.NEAR.tolist() == pytest.approx(np.linspace(0.99, 1.01, 21))

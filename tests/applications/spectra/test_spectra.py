@@ -14,18 +14,10 @@ from small_studies import cases_of
 
 import snapmap
 from snapmap import Study
+from snapmap.applications.spectra import srs
 from snapmap.applications.spectra import trips as spectra_trips
 from snapmap.applications.spectra.psd import Density, Spectrum
 from snapmap.applications.spectra.required import RequiredSpectrum, RequiredVibration
-from snapmap.applications.spectra.srs import (
-    BAND,
-    Levels,
-    check_points,
-    frequencies,
-    level,
-    record,
-    response,
-)
 from snapmap.applications.spectra.trips import FACTORS, ends
 from snapmap.applications.spectra.vibration import RUNG, _climb, _level, _rates, fit_rates
 from snapmap.values.kinds import kind_of
@@ -56,19 +48,19 @@ def test_the_spectrum_of_a_half_sine_is_that_of_another_method():
     f = np.array([200.0, 1600.0, 20_000.0])
     half_sine = np.sin(np.pi * np.linspace(0, 1, 4001))
     expected = spectrum_by_states(half_sine, 8e6, f)
-    spectrum = response(half_sine, 1 / 8e6, f)
+    spectrum = srs.response(half_sine, 1 / 8e6, f)
     np.testing.assert_allclose(spectrum, expected, rtol=1e-3)
     assert spectrum[2] == pytest.approx(1, abs=0.05)  # slow for it: as on the frame
 
 
 def test_a_record_meets_its_spectrum_as_another_method_sees_it():
-    f = frequencies(CRASH)
+    f = srs.frequencies(CRASH)
     assert f.size == 33 and np.diff(np.log2(f))[:-1] == pytest.approx(1 / 6)
-    drawn = record(check_points(CRASH), [1, 0])
+    drawn = srs.record(srs.check_points(CRASH), [1, 0])
     spectrum = spectrum_by_states(*samples(drawn), f)
-    deviation = 20 * np.log10(spectrum / level(CRASH, f))
+    deviation = 20 * np.log10(spectrum / srs.level(CRASH, f))
     np.testing.assert_allclose(deviation, drawn.deviation, atol=1e-9)
-    assert abs(deviation).max() < BAND == 3.0 and deviation.std() < 1.5
+    assert abs(deviation).max() < srs.BAND == 3.0 and deviation.std() < 1.5
     assert drawn.pulse.duration < 1e6 * 11 / 100
 
 
@@ -76,29 +68,33 @@ NOTCH = [(150.0, 80.0), (600.0, 900.0), (840.0, 180.0), (1200.0, 900.0), (4000.0
 
 
 def test_records_meet_a_spectrum_with_a_notch_or_it_is_refused():
-    f, duration = frequencies(NOTCH), []
+    f, duration = srs.frequencies(NOTCH), []
     for number in range(2):
-        drawn = record(check_points(NOTCH), [7, number])
+        drawn = srs.record(srs.check_points(NOTCH), [7, number])
         spectrum = spectrum_by_states(*samples(drawn), f)
-        assert abs(20 * np.log10(spectrum / level(NOTCH, f))).max() < 3.1
+        assert abs(20 * np.log10(spectrum / srs.level(NOTCH, f))).max() < 3.1
         duration.append(drawn.pulse.duration)
     assert max(duration) < 1e6 * 11 / 150  # twice 11 half periods
     deep = [(f, by * (0.2 if f == 840 else 1)) for f, by in NOTCH]
     with pytest.raises(ValueError, match=r"^srs: no record meets it within 3 dB; write a smoother"):
-        record(check_points(deep), [7, 0])
+        srs.record(srs.check_points(deep), [7, 0])
+    widest = [(1.0, 0.5), (9e3, 1.0), (1e4, 1.0)]
+    assert srs.check_points(widest).tolist() == [[*point] for point in widest]
+    with pytest.raises(ValueError, match=r"^srs: frequencies span more than 1:10000; write"):
+        srs.check_points([*widest, (10_001.0, 1.0)])
 
 
 def test_the_deviation_of_a_record_keeps_its_sign(handout):
     levels, cheap = [(500.0, 200.0), (5000.0, 200.0)], {"model": "cosines", "horizon": 0.0}
     trips = snapmap.srs_test(Study(handout, **cheap), levels, [25.0], records=6)
-    drawn = [record(check_points(levels), [1, number]).deviation for number in range(6)]
+    drawn = [srs.record(srs.check_points(levels), [1, number]).deviation for number in range(6)]
     for dB, deviation in zip(trips.deviation.values, drawn, strict=True):
         assert dB in (deviation.min(), deviation.max()) and abs(dB) == abs(deviation).max()
     assert {*np.sign(trips.deviation.values)} == {-1.0, 1.0}
 
 
 def test_a_record_leaves_no_velocity_and_is_drawn_by_its_seed():
-    first, again, other = (record(check_points(CRASH), [1, seed]) for seed in (0, 0, 1))
+    first, again, other = (srs.record(srs.check_points(CRASH), [1, seed]) for seed in (0, 0, 1))
     assert abs(first.pulse.area) < 1e-4 * first.pulse.gross_area
     np.testing.assert_array_equal(first.pulse.pieces, again.pulse.pieces)
     assert first.pulse.duration != other.pulse.duration
@@ -135,7 +131,7 @@ def test_ends_leave_out_what_fails():
     assert ends(np.ones((2, len(FACTORS)))) == (0.0, 0.25, 0.0, 0.25)
 
 
-@pytest.mark.parametrize(("hint", "power"), [(Density, 2), (Levels, 1)])
+@pytest.mark.parametrize(("hint", "power"), [(Density, 2), (srs.Levels, 1)])
 def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, power):
     """A config names the unit of each; a number in Python counts multiples of g, or g^2/Hz."""
     kind = kind_of(hint)
@@ -146,6 +142,7 @@ def test_levels_of_a_spectrum_count_in_standard_gravity_or_si(hint, power):
         for read in (kind.read, kind.take):
             assert read(points)[:, 1] == pytest.approx([3.5 * size, 7.0 * size], rel=1e-14)
     assert kind.take([(20.0, 3.5), (2000.0, 7.0)])[:, 1].tolist() == [3.5, 7.0]
+    assert ("Hz and multiples of g, " in kind.need) == (power == 1)
     assert kind.take(np.array([(20.0, 3.5), (2000.0, 7.0)]))[:, 1].tolist() == [3.5, 7.0]
     for points, line in CASES["wrong points"]:
         with pytest.raises(ValueError, match=line):
@@ -201,8 +198,8 @@ def test_an_oscillator_answers_as_miles_and_rice_say():
     answer = np.fft.irfft(transfer * np.fft.rfft(a), a.size)
     rms = math.sqrt(np.pi / 2 * f * Q * S)
     assert answer.std() == pytest.approx(rms, rel=0.06)
-    level = 2 * answer.std()
-    crossings = np.count_nonzero((answer[:-1] < level) & (answer[1:] >= level))
+    height = 2 * answer.std()
+    crossings = np.count_nonzero((answer[:-1] < height) & (answer[1:] >= height))
     assert crossings / 20.0 == pytest.approx(f * math.exp(-2), rel=0.1)
 
 
@@ -258,8 +255,8 @@ def test_vibration_tells_rate_bounds_and_level(handout):
 
 def test_a_single_record_that_snaps_at_the_top_alone_does_not_determine_the_level():
     ladder = {rung: np.array([[float(rung == 2)], [0.0], [1.0]]) for rung in range(3)}
-    level, low, high = _level(ladder, 0, 0.01)
-    assert math.isnan(level) and (low, high) == (0.0, math.inf)
+    found, low, high = _level(ladder, 0, 0.01)
+    assert math.isnan(found) and (low, high) == (0.0, math.inf)
 
 
 def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
@@ -268,9 +265,9 @@ def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
     ladder = {
         rung: np.array([[count, 0.0], [0.0, 0.0], [16.0, 0.0]]) for rung, count in counts.items()
     }
-    level, low, high = _level(ladder, 0, 0.01)
+    found, low, high = _level(ladder, 0, 0.01)
     assert (
-        level == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6) and low < level < high
+        found == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6) and low < found < high
     )
     assert np.isnan(_level(ladder, 1, 0.01)).all()
     quiet = {0: np.array([[0.0], [0.0], [16.0]])}
@@ -281,8 +278,8 @@ def test_rungs_are_followed_from_where_none_snaps_to_where_all_do():
     """Every one about the lowest snap, else every fourth, to 60; of rows that have a device."""
     edges = np.array([2.5, -5.5, 0.0, np.inf])
 
-    def follow(which, level):
-        snaps = np.where(math.log(level, RUNG) > edges[which], 8.0, 0.0)
+    def follow(which, reached):
+        snaps = np.where(math.log(reached, RUNG) > edges[which], 8.0, 0.0)
         return np.stack([snaps, 0 * snaps, 0 * snaps + 8.0])
 
     ladder = _climb(follow, np.array([True, True, False, True]), 8)

@@ -1,6 +1,7 @@
 """The static path against closed forms, and the static threshold against slow pulses."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from small_studies import cases_of
 from varied import alone, varied
 
 import snapmap
-from snapmap.applications.statics import figure
+from snapmap.applications.statics import application, figure
 from snapmap.beam.limit_loads import static_threshold
+from snapmap.figures import style
 from snapmap.pulse.shocks import make_shocks
 from snapmap.solver.cells import to_rows
 from snapmap.solver.models import build_model
@@ -213,10 +215,33 @@ def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the
         ax, real = drawn(draw, path), path[key].sel(branch="guided").values
         reach = (real.max() - real.min()) / 2
         assert ax.get_ylim() == pytest.approx((real.min() - reach, real.max() + reach))
-        assert {text.get_text() for text in ax.texts} == {*CASES["texts"][key]}
+        for text, (words, *at) in zip(ax.texts, CASES["texts"][key], strict=True):
+            assert text.get_text() == words and text.xy == pytest.approx(at, rel=1e-3)
         *paths, stable, unstable = (line.get_xydata().T for line in ax.lines[:4])
         for branch, points in zip(("unbranched", "guided"), paths, strict=True):
             expected = path.sel(branch=branch)
             np.testing.assert_array_equal(points, [expected.displacement, expected[key]])
         np.testing.assert_allclose(stable, [[0, second], heights[:2]], rtol=1e-4)
         np.testing.assert_allclose(unstable, [[saddle], heights[2:]], rtol=1e-4)
+
+
+@pytest.mark.usefixtures("paper")
+def test_a_beam_that_returns_by_itself_has_one_stable_shape_and_no_barrier(handout):
+    figure.draw(page := style.double_column(3.6), snapmap.statics(free(handout, 5, 1e-9)))
+    force, energy = page.axes
+    for ax in page.axes:
+        marked = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "o"]
+        assert marked == [[[0, 0]]]
+    assert len(force.texts) == 2 and not energy.texts
+    assert force.get_position().height == pytest.approx(1.5 * energy.get_position().height)
+
+
+@pytest.mark.parametrize(("device", "names", "paths"), CASES["files"])
+def test_each_device_has_a_file_of_its_name_if_there_may_be_several(device, names, paths):
+    devices = lambda: dict.fromkeys(names)  # noqa: E731
+    study = SimpleNamespace(device=device, devices=devices, model=SimpleNamespace(laws=None))
+    assert application.outputs(study)["statics"] == [f"results/{path}.nc" for path in paths]
+    assert [*application.figures(study)] == paths
+    for force in (None, "own"):
+        study.model.laws = SimpleNamespace(force=force)
+        assert bool(application.outputs(study)) == (force is None)

@@ -18,29 +18,12 @@ import snapmap
 from snapmap import Study
 from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
-from snapmap.applications.tolerances import figure
-from snapmap.applications.tolerances.dataset import (
-    count_below,
-    crossed,
-    indices,
-    moments,
-    quantile_bounds,
-    quantiles,
-    summary,
-    tolerances_of,
-)
+from snapmap.applications.tolerances import dataset, figure
 from snapmap.applications.whole import load_config
-from snapmap.device.device import batch
 from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures.states import SNAPS
-from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
-from snapmap.solver.cells import to_cells, to_rows
-from snapmap.solver.models import build_model, follow_twice
-from snapmap.solver.options import Auto, Cosines
-from snapmap.solver.settings import Run
 from snapmap.study.shock import Shock
-from snapmap.thresholds import population as batches
 
 CASES = cases_of(__file__)
 CHEAP = {"model": "3 cosines", "horizon": 300.0}
@@ -57,34 +40,47 @@ def test_indices_are_those_of_ishigamis_function():
     exact = np.array([[both, lone, 0], [both + rest, lone, rest]]) / (both + lone + rest)
     scatters = dict.fromkeys(("N", "C", "duration"), Scatter("normal", 0.01, True))
     points = Plan(None, scatters).points(4096, seed=1)
-    (first, second), mixed = map(ishigami, points), ishigami(crossed(points))
-    estimates = indices(first, second, mixed, seed=5)[..., 0]
+    (first, second), mixed = map(ishigami, points), ishigami(dataset.crossed(points))
+    estimates = dataset.indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(estimates[:, 0], exact, atol=0.01)
     assert (estimates[:, 1] <= exact).all() and (exact <= estimates[:, 2]).all()
     first[[3, 70, 500]] = np.nan
-    again = indices(first, second, mixed, seed=5)[..., 0]
+    again = dataset.indices(first, second, mixed, seed=5)[..., 0]
     np.testing.assert_allclose(again[:, 0], exact, atol=0.03)
+
+
+def test_indices_of_few_weighted_samples_are_those_of_their_sums():
+    """Variance of both draws together; half the mean square change; Saltelli (2010)."""
+    random = np.random.default_rng(3)
+    first, second, mixed = 5 + random.normal(size=(3, 4)) + [[0.0], [0.5], [0.2]]
+    weights = np.array([[0.25, 0.5], [0.25, 0.0], [0.25, 0.125], [0.25, 0.375]])
+    found = dataset._both_orders(first, second, mixed[np.newaxis], weights)[:, 0]
+    for weight, orders in zip(weights.T, found.T, strict=True):
+        middle = weight @ (first + second) / 2
+        variance = weight @ ((first - middle) ** 2 + (second - middle) ** 2) / 2
+        alone, total = (second - middle) * (mixed - first), (mixed - first) ** 2 / 2
+        assert orders == pytest.approx([weight @ alone / variance, weight @ total / variance])
 
 
 def test_statistics_count_what_never_snaps():
     N_first = np.array([[3.0], [1.0], [np.nan], [2.0]])
-    assert count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
-    assert quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
-    assert np.isnan(quantiles(N_first, [0.9])).all()
-    assert [*moments(N_first)] == [2.0, 1.0]
+    assert dataset.count_below(N_first, np.array([0.5, 1, 2.5, 9])).tolist() == [[0, 1, 2, 3]]
+    assert dataset.quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
+    assert np.isnan(dataset.quantiles(N_first, [0.9])).all()
+    assert [*dataset.moments(N_first)] == [2.0, 1.0]
 
 
 def test_bounds_of_a_quantile_are_order_statistics():
     """At 95 % each: of so many samples at least `low` lie below the median, and so on."""
     shares, N_first = [0.001, 0.05, 0.5, 0.95, 0.999], np.arange(1.0, 2996.0)[:, np.newaxis]
-    bounds = lambda size: quantile_bounds(N_first[:size], shares)[..., 0]  # noqa: E731
+    bounds = lambda size: dataset.quantile_bounds(N_first[:size], shares)[..., 0]  # noqa: E731
     low, high = bounds(2995)
     for fewest, ends in ((2995, [0, -1]), (59, [1, 3])):
         assert bounds(fewest)[[0, 1], ends].tolist() == [1, fewest]
         assert np.isnan(bounds(fewest - 1)[[0, 1], ends]).all()
     assert stats.binom.sf(low[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.sf(low[2], 2995, 0.5)
     assert stats.binom.cdf(high[2] - 1, 2995, 0.5) >= 0.95 > stats.binom.cdf(high[2] - 2, 2995, 0.5)
-    assert (low[1:-1] < quantiles(N_first, shares)[1:-1, 0]).all()
+    assert (low[1:-1] < dataset.quantiles(N_first, shares)[1:-1, 0]).all()
 
 
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
@@ -113,10 +109,6 @@ def test_every_row_is_taken_by_a_level_that_keeps_the_tolerance(handout):
     assert (best.ragged == 0).all()
     off = abs(made.N_nominal / best.N_first - 1)
     assert (off < 1e-3 + best.N_error / best.N_first).all()
-    rows = to_rows(0, f0, C, 0, make_shocks("versed sine", "+z").pulses)
-    choices = batches.choose_levels(handout, Auto(), rows, Run())
-    assert (np.sum([choice.rows for choice in choices], axis=0) == 1).all()
-    assert len({(choice.name, choice.step) for choice in choices}) == len(choices) > 1
 
 
 def test_small_scatter_adds_up_as_the_linear_estimate_says(handout):
@@ -191,27 +183,6 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
 
 
-def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
-    """At four times the threshold all arrive, and as many stay as one by one, in both steps."""
-    light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
-    shock = {"N": 5600.0, "f0": 2000.0, "pulse": "half sine"}
-    musts = {"stays": True, "arrives": "arrives", "rests": False, "either": "any"}
-    asked = [shock | {"name": name, "snaps": must} for name, must in musts.items()]
-    how, rows = {"model": "3 cosines", "horizon": 4000.0}, ([2000.0], [25.0])
-    how = Study(light, **how), {"thickness": {"uniform": "1 %"}}, *rows
-    made, ends = snapmap.tolerance(*how, samples=32, requirements=asked), []
-    for value in made.thickness.values:
-        model = build_model(batch([varied(light, thickness=value)]), Cosines(modes=3))
-        shock = [5600.0], 2000.0, 25.0, 4000.0, 0, [make_pulse("half sine")]
-        cell = to_cells(model.device, 0, *shock)
-        runs = follow_twice(model, cell, Run(horizon=4000.0).but(until="end"))
-        ends += [run.well.item() == 2 for run in runs]
-    stay = np.mean(ends)
-    assert 0.1 < stay < 0.95
-    np.testing.assert_allclose(made.share_meeting.squeeze("C"), [stay, 1.0, 0.0, 1.0])
-    assert made.must_snap.values.tolist() == [1, 3, 0, 2] and made["yield"].item() == 0.0
-
-
 def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
     device = replace(handout, modulus_slope=-1e-3, strength=1e6)
     scatters = {"thickness": Scatter("normal", 0.05, False)}
@@ -220,11 +191,13 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
     needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
-    met = tolerances_of(replace(study, device=device), axes | {"temperature": degrees}, made, needs)
+    met = dataset.tolerances_of(
+        replace(study, device=device), axes | {"temperature": degrees}, made, needs
+    )
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
         single = [replace(required, shocks=shocks) for required in needs[:2]]
-        corner = tolerances_of(replace(study, device=device.at(T)), axes, made, single)
+        corner = dataset.tolerances_of(replace(study, device=device.at(T)), axes, made, single)
         corners.append(corner.N_first_required.squeeze("C").values)
     most, least = np.max(corners, axis=0)[0], np.min(corners, axis=0)[1]
     trips, rests, _ = met.N_first_required.squeeze("C").values
@@ -244,9 +217,9 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_array_equal(field.get_array(), scattered.probability.transpose("N", "f0"))
     ends = [to_hex(colour) for colour in field.get_cmap()([0.0, 1.0])]
     assert ends == [state.colour for state in SNAPS[:2]]  # no grey, which is what is not known
-    *quantiles, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
+    *lines, nominal, no_fire, all_fire = (line.get_ydata() for line in ax.lines)
     expected = scattered.N_quantile.sel(quantile=list(figure.LINES))
-    np.testing.assert_array_equal(quantiles, expected)
+    np.testing.assert_array_equal(lines, expected)
     np.testing.assert_array_equal(nominal, scattered.N_nominal)
     np.testing.assert_array_equal(no_fire, scattered.N_no_fire)
     assert np.isnan(all_fire).all()
@@ -262,12 +235,23 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     more = {"sensitivity_bound": bounds, "sensitivity": 1.2 * scattered.sensitivity}
     ax = drawn(figure.draw_sensitivity, scattered.assign(more))
     shown = [line.get_ydata().tolist() for line in ax.lines if len(line.get_ydata()) == 3]
-    indices = np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
-    assert sorted(shown) == sorted(indices)
+    expected = np.minimum(more["sensitivity"], 1).values.reshape(-1, 3).tolist()
+    assert sorted(shown) == sorted(expected)
     tops = [bar.get_segments()[0][1, 1] for bar in artists(ax, LineCollection)]
     ends = bounds.sel(order="total").isel(bound=1, f0=0)
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
     assert ends.max() > 1
+    few, f0 = "few devices snap", [800.0, 1500.0, 3000.0]
+    for known, crossed, said in (
+        (f0[::2], [f0[1:2]], []),
+        (f0, [], []),
+        ([], [], [f"nothing to show: {few}"]),
+    ):
+        part = scattered.sensitivity.where(scattered.f0.isin(known))
+        ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity=part))
+        crosses = [line for line in ax.lines if line.get_label() == f"not known: {few}"]
+        assert [cross.get_xdata().tolist() for cross in crosses] == crossed
+        assert [text.get_text() for text in ax.texts] == said
 
 
 @pytest.mark.usefixtures("paper")
@@ -275,6 +259,7 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
     ax = drawn(figure.draw_yield, scattered.expand_dims(C=[25.0], axis=-1))
     shares = [scattered.share_meeting.item(), scattered["yield"].item()]
     assert ax.lines[0].get_xydata().tolist() == [[share, i] for i, share in enumerate(shares)]
+    assert [0.5, 0.5] in [[*line.get_ydata()] for line in ax.lines]  # above all together
     low = min(scattered.share_meeting_bound.min(), scattered.yield_bound.min()).item()
     assert low - 0.1 < ax.get_xlim()[0] < low and ax.get_xlim()[1] > 1
     ax = drawn(figure.draw_requirement, scattered.isel(requirement=0))
@@ -294,7 +279,7 @@ def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scatt
     spread = f"{100 * spread.min():.2g} to {100 * spread.max():.2g}"
     words = CASES["words"].format(lost=lost, spread=spread)
     words_of = [figure.words_of(key) for key in ("thickness+depth", "N", "duration")]
-    told = [summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
+    told = [dataset.summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
     assert [*told, *words_of] == words.splitlines()
     breaking = scattered.share_meeting_bound * 0 + xr.DataArray([0.2, 0.35], dims="bound")
     more = {"share_breaking": scattered.share_meeting * 0 + 0.25, "share_breaking_bound": breaking}

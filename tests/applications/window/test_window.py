@@ -4,10 +4,12 @@ import re
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backend_bases import GraphicsContextBase
 from matplotlib.colors import to_hex
 from matplotlib.contour import ContourSet
 from small_results import artists, legend_words
@@ -107,14 +109,16 @@ def test_a_line_says_what_lies_between_points():
     """Of x < 2.5 and y > 10.5, of x from 1 to 3 and y from 10 to 12: three quarters each way."""
     x, y, over = np.array([1.0, 2.0, 3.0]), np.array([10.0, 12.0]), ("requirement", "mass", "C")
     share = lambda line: float(re.search(r"on ([0-9.]+)% of", line)[1]) / 100  # noqa: E731
-    reserve = np.stack(np.broadcast_arrays((1 + (2.5 - x) / 10)[:, np.newaxis], 1 + (y - 10.5)))
+    reserve = np.stack(np.broadcast_arrays((1 + (2.5 - x) / 9.9)[:, np.newaxis], 1 + (y - 10.5)))
     data = {"yield": (over[1:], np.array([[0.5, 0.9]] * 3))}
     data |= dict.fromkeys(("reserve", "N_first"), (over, reserve))
     window = xr.Dataset(data, {"requirement": ["a", "b"], "mass": x, "C": y})
-    line = summary(window, {"mass": ("mg", 2.0)})
+    line = summary(window, {"mass": ("mg", 3.0)})
     assert line.startswith("thresholds on the right side of all requirements at 2 of 6 points, ")
     assert share(line) == pytest.approx(0.75**2, abs=0.03)
-    assert line.endswith("a factor of 1.15, is at mass = 0.5 mg, C = 10.75 uN*us/um, yield 65.0%")
+    assert line.endswith(
+        "a factor of 1.152, is at mass = 0.333333 mg, C = 10.75 uN*us/um, yield 65.0%"
+    )
     # From x = 1.4 to 1.6 of 1 to 3.
     band = np.array([1 + (1.6 - x) / 10, 1 + (x - 1.4) / 10])[..., np.newaxis].repeat(2, axis=2)
     line = summary(window.assign(reserve=(over, band)), {})
@@ -225,13 +229,32 @@ def test_a_window_ends_on_lines_where_each_requirement_begins_to_fail():
     assert drawn == [[1.02, 1.05, 1.1, 1.15, 1.2, 1.5], [0.5]]
     lines = [line for line in stress.collections if line.get_path_effects()]
     for line, column, end, straight in zip(lines, (0, 1), (6.5, 35.0), (0.06, 1e-9), strict=True):
-        (path,) = line.get_paths()
+        (path,), (effect,), page = line.get_paths(), line.get_path_effects(), Mock()
         assert abs(path.vertices[:, column] - end).max() < straight
+        page.points_to_pixels = float
+        effect.draw_path(page, GraphicsContextBase(), path, stress.transData, None)
+        ticks = page.draw_path.call_args_list[0].args[1].vertices
+        ticks = stress.transData.inverted().transform(ticks[1::2] - ticks[::2] + stress.bbox.p0)
+        across = (ticks - (4.0, 20.0))[:, column]
+        assert (across > 0.03).all() if column == 0 else across == pytest.approx(-0.1559, abs=1e-3)
     points = {(5.0, 50.0): MET} | dict.fromkeys([(7.0, 50.0), (5.0, 30.0), (7.0, 30.0)], FAILING)
     for ax in panels:
         assert {point: colour_at(ax, *point) for point in points} == points
     for ax in (*panels, stress):
         assert (ax.get_xlim(), ax.get_ylim()) == ((4.0, 8.0), (20.0, 60.0))
+
+
+@pytest.mark.usefixtures("paper")
+def test_a_requirement_that_is_just_met_is_met():
+    even = make_window().isel(requirement=[2]).drop_vars("stress_max")
+    even["reserve"] = even.reserve.copy(data=1 + 0 * even.reserve)
+    *_, ax = drawn_window(even)
+    words = [figure.MEETING["label"], figure.POINTS["label"]]
+    assert legend_words(ax) == words
+    title = ax.figure.legends[0].get_title().get_text()
+    assert title.startswith("met everywhere: easy\nticks")
+    line = "all requirements at 20 of 20 points, by interpolation on 100.0% of the plane"
+    assert line in summary(even, {})
 
 
 @pytest.mark.usefixtures("paper")

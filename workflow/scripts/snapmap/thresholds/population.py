@@ -353,7 +353,7 @@ def choose_levels(device: Device, model: Chosen, rows: Rows, settings: Run) -> l
             good[good] = within(share, level.with_step(factor), good)
         choices.append(Choice(good, name, step))
         left &= ~good
-        if clean.any() and (left & clean).sum() <= (1 - MOST_ROWS) * clean.sum():
+        if clean.any() and (clean & ~left).sum() >= MOST_ROWS * clean.sum():
             break
     choices[-1] = choices[-1]._replace(rows=good | left)
     return choices

@@ -177,7 +177,7 @@ def near(
         below, above = low[:, np.newaxis], high[:, np.newaxis]
         between = below + np.maximum((above - below) * np.arange(1, PARTS) // PARTS, 1)
         downward = np.where(below < 0, np.maximum(above - reach[::-1], 0), between)
-        upward = (above == size) & (below >= 0)
+        upward = above == size
         probes = np.where(upward, np.minimum(below + reach, size - 1), downward)
         reach = PARTS * reach
     return high
