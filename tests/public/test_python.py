@@ -349,8 +349,7 @@ def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls, right
 
 def test_coordinates_of_its_own_cubes_are_taken(handout):
     study = snapmap.Study(handout, **CHEAP)
-    axes = {"thickness": [2.0]}
-    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes=axes)
+    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes={"thickness": [2.0]})
     assert (cube.f0.units, cube.C.units, cube.thickness.units) == ("Hz", "uN us um-1", "um")
     axes = {"thickness": cube.thickness}
     edges = snapmap.threshold(study, cube.f0, cube.C, axes=axes)
