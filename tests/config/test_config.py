@@ -13,7 +13,7 @@ from small_studies import MISSING, cases_of, faults
 
 from snapmap.applications import boundary, requirements, window
 from snapmap.applications.whole import doubts, load_config
-from snapmap.config.devices import load_device, read_device
+from snapmap.config.devices import load_device, read_device, read_shape
 from snapmap.config.doubts import descriptions
 from snapmap.config.yaml_file import read_document
 from snapmap.device.device import Beam, Device
@@ -242,6 +242,23 @@ def test_a_measured_tilt_is_the_imperfection_of_a_free_beam_unless_it_is_roundin
         assert load_config(changed(**MEASURED, **FREE)).device.beam.imperfection == 0.01
     write_shape(tilt=0.9e-6)
     assert "imperfection: 0 um never tilts" in only_fault(changed(**MEASURED, **free))
+
+
+def test_a_measured_shape_is_smoothed(tmp_path):
+    """Upside down, tilted under the microscope, with noise."""
+    x = np.linspace(0, 600, 301)
+    w = 4.6 * (1 - np.cos(2 * np.pi * x / 600)) + 0.5 * (1 - np.cos(4 * np.pi * x / 600))
+    noise = np.random.default_rng(1).normal(0, 0.02, x.size)
+    path, columns = tmp_path / "shape.csv", np.column_stack([x + 40, 1e3 * (0.01 * x - w - noise)])
+    np.savetxt(path, columns, "%.3f", ",", header="x (um),w (nm)", comments="")
+    read = read_shape(path)
+    noises = noise.std(), abs(noise).max(), 301
+    assert (read.rms, read.most, read.points) == pytest.approx(noises, rel=0.1)
+    assert sum(read.cosines[::2]) == pytest.approx(9.2, abs=0.01)
+    assert read.cosines[1] == pytest.approx(1, abs=0.01)
+    path.write_text("x (um),w (um)\n" + "\n".join(f"{a},{a % 7}" for a in range(50)))
+    with pytest.raises(ValueError, match=r"shape\.csv: differs by .* from 5 cosines"):
+        read_shape(path)
 
 
 def test_a_shape_stands_above_its_clamps():

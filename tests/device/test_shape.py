@@ -13,7 +13,6 @@ import snapmap
 from snapmap.beam.cosines import antisymmetric_loads, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
-from snapmap.config.devices import read_shape
 from snapmap.device import shape
 
 SHAPES = cases_of(__file__)
@@ -169,19 +168,3 @@ def test_a_shaped_beam_snaps_alike_in_elements_and_cosines(handout):
     run = snapmap.simulate(snapmap.Study(device, model="cosines"), 1.02 * max(N), 1500.0, 25.0)
     assert run.w_mid[0] == pytest.approx(device.beam.rise)
     assert run.w_mid.min() < device.beam.second_equilibrium
-
-
-def test_a_measured_shape_is_smoothed(tmp_path):
-    """Upside down, tilted under the microscope, with noise."""
-    x = np.linspace(0, 600, 301)
-    w = 4.6 * (1 - np.cos(2 * np.pi * x / 600)) + 0.5 * (1 - np.cos(4 * np.pi * x / 600))
-    noise = np.random.default_rng(1).normal(0, 0.02, x.size)
-    path, columns = tmp_path / "shape.csv", np.column_stack([x + 40, 1e3 * (0.01 * x - w - noise)])
-    np.savetxt(path, columns, "%.3f", ",", header="x (um),w (nm)", comments="")
-    read = read_shape(path)
-    assert read.rms == pytest.approx(0.02, rel=0.2)
-    assert sum(read.cosines[::2]) == pytest.approx(9.2, abs=0.01)
-    assert read.cosines[1] == pytest.approx(1, abs=0.01)
-    path.write_text("x (um),w (um)\n" + "\n".join(f"{a},{a % 7}" for a in range(50)))
-    with pytest.raises(ValueError, match=r"shape\.csv: differs by .* from 5 cosines"):
-        read_shape(path)

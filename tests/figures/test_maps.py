@@ -179,13 +179,19 @@ def test_maps_of_several_axes_lie_in_rows_and_columns():
 
 
 def test_panels_of_times_share_their_colours_and_one_bar():
-    panels = [
-        (TINY.assign(t_snap=TINY.t_snap * factor).assign_coords(C=C), None, ())
-        for C, factor in enumerate((3.0, np.nan, 0.5))
-    ]
-    panels = maps.draw_maps(style.double_column(height=9), panels, "f0", "N", shows="times").flat
+    panels, hot = [], TINY.assign_coords(temperature=20.0)
+    for C, factor in enumerate((3.0, np.nan, 0.5, 1.0, 1.0)):
+        cells = hot.assign(t_snap=hot.t_snap * factor).assign_coords(C=C)
+        panels.append((cells, None, ()))
+    figure = style.double_column(height=9)
+    *panels, left = maps.draw_maps(figure, panels, "f0", "N", shows="times").flat
     meshes = [[mesh.get_clim() for mesh in artists(ax, QuadMesh)[1:]] for ax in panels]
-    assert meshes == [[(50.0, 300.0)], [], [(50.0, 300.0)]]
+    assert meshes == [[(50.0, 300.0)], [], *[[(50.0, 300.0)]] * 3] and left is None
+    titles = [f"$C$ = {C} µN µs µm$^{{-1}}$" for C in range(5)]
+    assert [ax.get_title(loc="left") for ax in panels] == titles
+    assert figure.legends[0].get_title().get_text().startswith("temperature 20 °C\nversed sine")
+    assert [bool(ax.get_xlabel()) for ax in panels] == [False, False, True, True, True]
+    assert [len(ax.child_axes) for ax in panels] == [1, 1, 1, 0, 0]
 
 
 def test_a_map_has_the_threshold_in_its_band_dashed_where_late_and_marked_where_there_is_none():

@@ -49,9 +49,7 @@ def made(handout):
         "history": snapmap.simulate(Study(handout, **SHORT), 1000.0, 1500.0, 25.0),
         "statics": snapmap.statics(handout),
         "tolerances": made,
-        "calibration": snapmap.calibrate(
-            Study(handout, **MODEL), SHOTS, {"thickness": (1.7, 2.3)}, C=25.0
-        ),
+        "calibration": snapmap.calibrate(study, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0),
         "verdicts": VERDICTS,
         "window": window_of(study, points, [Shock(**REQUIRED, shocks=make_shocks())]),
     }

@@ -11,6 +11,7 @@ import sys
 import tomllib
 from fnmatch import fnmatch
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,10 +20,10 @@ from small_studies import cases_of
 
 import snapmap
 from snapmap.files import text
-from snapmap.files.atomic import fingerprint, hold
+from snapmap.files.atomic import fingerprint, hold, replacing
 from snapmap.files.counting import count, counting
 from snapmap.files.extras import needing
-from snapmap.files.named import inside
+from snapmap.files.named import inside, naming
 from snapmap.files.tables import read_rows
 from snapmap.solver.options import Cosines
 from snapmap.study.variables import write
@@ -129,6 +130,8 @@ def test_an_opened_cube_is_that_of_sweep_and_of_the_file(cube, tmp_path):
     opened = snapmap.open_cube(tmp_path / "cube.nc")
     with xr.open_dataset(tmp_path / "cube.nc") as file:
         assert file.identical(opened) and opened.outcome.identical(cube.outcome)
+    with pytest.raises(ValueError, match="several C"):
+        snapmap.plot_outcome(opened)
     assert file.outcome.dtype == opened.outcome.dtype == cube.outcome.dtype == np.int8
     with pytest.raises(ValueError, match=r"none\.nc' is not the path of a file"):
         snapmap.open_cube(tmp_path / "none.nc")
@@ -139,16 +142,17 @@ def test_an_opened_cube_is_that_of_sweep_and_of_the_file(cube, tmp_path):
             snapmap.open_cube(tmp_path / "bad.nc")
 
 
-def test_a_plot_of_an_opened_cube_is_that_of_a_new_one(cube, tmp_path):
-    with pytest.raises(ValueError, match="several C"):
-        snapmap.plot_outcome(cube)
-    write(cube, tmp_path / "cube.nc")
-    both = cube.isel(C=0), snapmap.open_cube(tmp_path / "cube.nc").isel(C=0)
-    new, opened = (
-        [(patch.get_facecolor(), patch.get_path().vertices.tolist()) for patch in ax.patches]
-        for ax in map(snapmap.plot_outcome, both)
-    )
-    assert new == opened
+def test_a_fault_of_a_file_is_a_line_that_names_it(monkeypatch):
+    faults = OSError(28, "full"), OSError("so\n  to say"), ValueError("wrong")
+    faults += FileNotFoundError(2, "none"), UnicodeDecodeError("utf-8", b"a", 0, 1, "begin")
+    words = "full", "so to say", "wrong", "is not there", "is not text in UTF-8"
+    for fault, said in zip(faults, words, strict=True):
+        with pytest.raises(ValueError, match=f"^a b: {said}$"), naming("a b"):
+            raise fault
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=1234567))
+    line = r"^a b: not written, 1\.23 MB are free there: full$"
+    with pytest.raises(OSError, match=line), replacing("a b"):
+        raise OSError("full")
 
 
 def test_the_installed_package_has_all_its_files(root):

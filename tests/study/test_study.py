@@ -23,18 +23,14 @@ REFUSED = {
         {"a": device, "b": replace(device, gravity=1e-5)}, {}
     ),
     "spring: needs a mass; leave": lambda device: axes.make_grid(alone(device), {"spring": [5.0]}),
-    r"axes of .*: 1\.01e\+05 points, more than 100000;": lambda device: axes.make_grid(
-        device, MOST
-    ),
+    r"axes.*: 1\.01e\+05 points, more than 100000;": lambda device: axes.make_grid(device, MOST),
     "device = b, depth = -1 um: depth: ": lambda device: axes.make_grid(
         {"b": device}, {"depth": [20.0, -1.0]}
     ),
     "device.force: a train shakes the frame; write gravity": lambda device: Study(
-        alone(device, force=1.0)
+        alone(device, 1.0)
     ).require_frame("a train"),
-    "device.force: the shock 'drop' shakes": lambda device: Study(
-        alone(device, force=1.0), pulse=DROP
-    ),
+    "device.force: the shock 'drop' shakes": lambda device: Study(alone(device, 1.0), pulse=DROP),
     "requirements: crash: pulse: missing, as the study's": lambda device: Requirement(
         **ASKED, f0=1e3
     ).under(Study(device, pulse=DROP).shocks),

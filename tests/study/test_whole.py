@@ -11,15 +11,7 @@ import xarray as xr
 import yaml
 from small_studies import TINY
 
-from snapmap.applications import (
-    calibration,
-    page,
-    requirements,
-    statics,
-    stress,
-    tolerances,
-    window,
-)
+from snapmap.applications import attached
 from snapmap.applications.whole import load_config
 from snapmap.study.variables import open_whole, write
 
@@ -54,15 +46,11 @@ def test_a_flipped_or_cut_file_is_named(product):
             open_whole(product)
 
 
-READERS = {
-    draw.draw_study: ("cube", "threshold"),
-    page.application.draw: ("cube", "threshold"),
-    stress.application.run: (),
-    window.application.draw: ("window",),
-    calibration.application.draw: ("calibration",),
-    statics.application.draw: ("statics",),
-    tolerances.application.draw: ("tolerance",),
-}
+APPLICATIONS = attached()
+READERS = {draw.draw_study: ("cube", "threshold"), APPLICATIONS["stress"].run: ()}
+READERS[APPLICATIONS["page"].draw] = "cube", "threshold"
+READERS |= {APPLICATIONS[key].draw: (key,) for key in ("window", "calibration", "statics")}
+READERS[APPLICATIONS["tolerances"].draw] = ("tolerance",)
 """Functions of jobs, and the names of the files that those of figures read."""
 
 
@@ -86,7 +74,6 @@ def test_verdicts_on_a_full_disk_are_named(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "replace", replace)
     with pytest.raises(OSError, match=r"requirements\.csv: not written, .* MB are free there"):
-        requirements.application.run(
-            load_config(yaml.safe_load(text)), tmp_path / "requirements.csv"
-        )
+        study = load_config(yaml.safe_load(text))
+        APPLICATIONS["requirements"].run(study, tmp_path / "requirements.csv")
     assert not [*tmp_path.iterdir()]

@@ -66,22 +66,12 @@ def test_the_bound_is_that_of_the_saddle_or_of_bending(handout, tilts_out):
     assert high == pytest.approx(speed * 0.1 / 0.5 / handout.gravity, rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("spring", "pulse", "independent"), [(0.1, "versed sine", 77.76), (0.5, "half sine", 228.4)]
-)
-def test_a_mass_with_a_run_up_snaps_far_below_the_statics(handout, spring, pulse, independent):
-    """Thresholds of a code of others; half a unit of their last digit."""
-    how = {"horizon": 6000.0, "direction": "-z", "pulse": pulse}
-    edge = snapmap.threshold(Study(replace(handout, spring=spring), **how), [1000.0], [0.5])
-    assert edge.status == FOUND and abs(edge.N_first - independent) <= edge.N_error + 0.05
-    assert edge.N_bound < edge.N_first < 0.25 * static_threshold(handout)
-
-
-def test_a_beam_that_leaves_a_mass_at_its_stop_snaps_far_below_the_statics(handout):
-    """20 elements snap at 10 000, and do not in steps of 50 from 9700 on."""
-    device = replace(handout, stop_toward=10.0, stop_away=6.0)
-    edge = snapmap.threshold(device, f0=[1500.0], C=[25.0])
-    assert abs(edge.N_first - 1e4) <= edge.N_error and edge.N_first < edge.N_static / 3
+@pytest.mark.parametrize(("values", "how", "f0", "C", "N", "digit", "share"), CASES["far below"])
+def test_a_mass_in_swing_snaps_far_below_the_statics(handout, values, how, f0, C, N, digit, share):
+    """By a code of others, or 20 elements in steps of 50; half a unit of their last digit."""
+    edge = snapmap.threshold(Study(device := replace(handout, **values), **how), [f0], [C])
+    assert edge.status == FOUND and abs(edge.N_first - N) <= edge.N_error + digit
+    assert edge.N_bound < edge.N_first < share * max(map(static_threshold, (handout, device)))
 
 
 def test_a_threshold_that_is_not_there_has_its_reason(handout):

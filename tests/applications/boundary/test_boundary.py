@@ -5,6 +5,7 @@ import pytest
 from matplotlib.patches import Polygon
 from small_results import artists, drawn, legend_words, make_found, visible
 
+from snapmap.applications.boundary import application
 from snapmap.applications.boundary.figure import DURATION, draw_damage_boundary
 
 
@@ -16,7 +17,10 @@ def ax(paper):
 def test_what_snaps_of_each_C_is_shaded(ax):
     region, other = artists(ax, Polygon)
     assert legend_words(ax)[-1] == "snaps, in the colour of its line"
+    assert application.size == (3.6, 1)
     assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
+    looks = {(one.get_alpha(), one.get_linewidth(), one.get_zorder()) for one in (region, other)}
+    assert looks == {(0.12, 0, 0)}  # beneath all else
     snaps = region.get_path().contains_points
     assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
     assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0)]).any()
@@ -35,6 +39,7 @@ def test_thresholds_lie_over_the_velocity_change_between_their_limits(ax):
     assert (upright, level) == ([0.5, 0.6], [990.0])
     guides = [line for line in ax.lines if line.get_color() == DURATION["color"]]
     v, N = guides[1].get_xydata().T
+    assert {(guide.get_linewidth(), guide.get_zorder()) for guide in guides} == {(0.5, 1)}
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
     names = {float(note.get_text().removesuffix(" ms")): note.xy for note in ax.texts}
     assert {*names} == {10.0, 1.0, 0.1}
@@ -47,7 +52,11 @@ def test_names_of_durations_do_not_meet_and_a_hole_parts_the_shade():
     ax = drawn(draw_damage_boundary, found)
     names = [note.get_text() for note in ax.texts]
     assert names == ["16.7 ms", "1 ms", "0.1 ms", "0.05 ms"] and legend_words(ax)[-1] == "snaps"
-    for hole, shades in ((0, 1), (1, 0), (2, 1)):
-        first = found.N_first.where(found.f0 != found.f0[hole])
+    # At just 1.7 times 10 kHz its name is left out.
+    f0 = [60.0, 100.0, 1000.0, 2000.0, 1e4, 1.7e4]
+    found = found.isel(f0=[0, 0, 1, 1, 2, 2]).assign_coords(f0=f0)
+    for holes, sizes in (([0], [5]), ([1], [4]), ([2], [2, 3]), ([2, 3], [2, 2]), ([1, 3, 4], [])):
+        first = found.N_first.where(~found.f0.isin(np.take(f0, holes)))
         ax = drawn(draw_damage_boundary, found.assign(N_first=first))
-        assert len(artists(ax, Polygon)) == shades
+        assert [len(shade.get_path().vertices) - 3 for shade in artists(ax, Polygon)] == sizes
+    assert [note.get_text() for note in ax.texts] == ["16.7 ms", "1 ms", "0.0588 ms"]

@@ -134,10 +134,8 @@ def test_before_the_shots_a_spread_is_lognormal_about_4_percent(low, high, ends)
 
 def test_the_thickness_is_read_off_shots_of_the_solver_itself(handout):
     fitted = snapmap.calibrate(Study(handout, **CHEAP), SHOTS, {"thickness": (1.8, 2.2)}, C=25.0)
-    thickness = [1.9, 2.0]
-    N = snapmap.threshold(
-        Study(handout, **CHEAP), [1000.0], [25.0], axes={"thickness": thickness}
-    ).N_first
+    thickness, study = [1.9, 2.0], Study(handout, **CHEAP)
+    N = snapmap.threshold(study, [1000.0], [25.0], axes={"thickness": thickness}).N_first
     expected = np.interp(950.0, N.values.ravel(), thickness)
     assert fitted.estimate.item() == pytest.approx(expected, abs=0.005)
     assert fitted.low < fitted.estimate < fitted.high and 2e-4 < fitted.model_error < 2e-3
@@ -267,9 +265,8 @@ def test_a_surface_is_straight_between_its_points_over_up_to_four_unknowns(study
     plane = lambda *given: np.sum([*given[2].values()], axis=0)[:, np.newaxis]  # noqa: E731
     monkeypatch.setattr(dataset, "log_thresholds", plane)
     for count, size in ((1, 33), (2, 17), (3, 9), (4, 6)):
-        surface = dataset.surface_of(
-            study, [None], {str(i): (i, i + 2) for i in range(count)}, 25.0
-        )
+        unknowns = {str(i): (i, i + 2) for i in range(count)}
+        surface = dataset.surface_of(study, [None], unknowns, 25.0)
         assert surface.logs.shape == (*[size] * count, 1)
         assert surface.error == pytest.approx(2e-4)
         places = np.full((1, count), 0.3)

@@ -1,13 +1,16 @@
 """The data sheet says what its tables of results say, and what the device is."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
+from small_results import make_verdict
 from small_studies import cases_of
+from varied import alone, varied
 
-from snapmap.applications.datasheet.datasheet import datasheet, of_batch
+from snapmap.applications.datasheet.datasheet import OF_LAWS, _at_rest, _cells, datasheet, of_batch
 from snapmap.applications.electrode.closures import CLOSING
 from snapmap.applications.histories.history import extremes_of, free_travel
 from snapmap.applications.requirements.check import check, judge
@@ -94,9 +97,8 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
             (row for row in rows if row.requirement == name), key=lambda row: -row.badness[2]
         )
         first = row_of(text, f"{name}, must not trip")
-        assert len(others) == count - 1 and float(first[7].split(" ± ")[0]) == pytest.approx(
-            worst.margin, rel=1e-3
-        )
+        margin = float(first[7].split(" ± ")[0])
+        assert len(others) == count - 1 and margin == pytest.approx(worst.margin, rel=1e-3)
         assert first[2] == worst.shock and ("not valid" in first[0]) == (worst.travel_over_rise > 5)
     lines = text.splitlines()
     folded = [row_of("\n".join(lines[i:]), f"its other cases, {n}") for i, n in ((0, 7), (0, 3))]
@@ -134,3 +136,36 @@ def test_levels_of_all_pulses_stand_on_the_sheet_or_some_evenly_chosen():
     assert row_of(levels, "half sine -z")[-1] == "1100" and "takes" not in levels
     (words,) = of_batch(made.isel(sample=slice(28)), shocks, "C")
     assert words.endswith("at 85 degC, at 95 % confidence: takes 29 devices.\n")
+
+
+@pytest.mark.parametrize(("rows", "cells"), CASES["cells"])
+def test_cells_of_a_requirement_are_its_words_and_numbers_with_their_errors(rows, cells):
+    found = _cells([make_verdict(**CASES["row"] | row) for row in rows])
+    assert found == cells
+
+
+def test_forces_that_are_laws_are_not_known_at_rest(handout):
+    """A law in place of the beam's force leaves the frequency of the mass alone."""
+    known, of_mass, of_beam = (
+        dict(_at_rest(handout, laws, [make_verdict()], ("uN*us/um", 1.0)))
+        for laws in (None, SimpleNamespace(force=None), SimpleNamespace(force="own"))
+    )
+    *of_both, frequency, slow, time = known
+    assert known.pop(time).endswith(" us, for shocks up to N = 974.63")
+    assert of_mass == known | {slow: OF_LAWS}
+    assert of_beam == of_mass | dict.fromkeys(of_both, OF_LAWS) and frequency in CASES["of device"]
+
+
+def test_each_device_has_a_sheet_of_its_own_values_and_verdicts(handout):
+    """One that returns by itself has no second shape; one without a mass has no blow."""
+    devices = [varied(handout, free=1.0, imperfection=0.01), alone(handout)]
+    devices = dict(zip(CASES["sheets"], devices, strict=True))
+    study = Study(devices, model={"name": "cosines", "cosines": 3})
+    source = {"title": "Two", "devices": {name: {"mass": f"of {name}"} for name in devices}}
+    verdicts = [make_verdict(device=name, requirement=f"drop of {name}") for name in devices]
+    _, *sheets = datasheet(study, verdicts, source).split("# Data sheet of Two of ")
+    for (name, (rows, none)), sheet in zip(CASES["sheets"].items(), sheets, strict=True):
+        assert sheet.startswith(f"{name}\n")
+        for row, cells in rows.items():
+            assert row_of(sheet, row)[: len(cells)] == cells
+        assert not [words for words in none if words in sheet]

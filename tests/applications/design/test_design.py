@@ -45,12 +45,13 @@ def test_a_design_says_that_there_are_several_solutions(handout, monkeypatch):
 
 @pytest.fixture
 def linear(monkeypatch):
-    """Thresholds of 1000 times the thickness, +- 5; from 2.5 um on there are none."""
+    """Thresholds of 1000 times the thickness, +- 5, and 10 from 1.5 um on; from 2.5 um none."""
 
     def at(study, values, f0, C, pulse_of, axes):
         value = values["thickness"]
         exists = value < 2.5
-        return np.where(exists, 1e3 * value, np.nan), np.where(exists, 5.0, np.nan), exists
+        error = np.where(value < 1.5, 5.0, 10.0)
+        return np.where(exists, 1e3 * value, np.nan), np.where(exists, error, np.nan), exists
 
     monkeypatch.setattr("snapmap.applications.design.design.thresholds_at", at)
 
@@ -70,7 +71,8 @@ def test_ends_of_windows_are_exact_with_their_errors(handout, needs, between, lo
     made = snapmap.design(handout, "thickness", requirements=asked, between=between, C=25.0)
     part = (between[1] - between[0]) / 32 / 512
     for side, (value, source) in zip(SIDES, (low, high), strict=True):
-        bar = 0.0 if source == "between" else part / 2 + 0.005 * (value < 2.5)
+        bar = 0.005 * (value < 2.5) * (1 + (value > 1.5 - part))
+        bar = 0.0 if source == "between" else part / 2 + bar
         end, error, name = made[side], made[f"{side}_error"], made[f"{side}_from"]
         assert end.item() == pytest.approx(value, abs=part if value == 2.5 else 1e-9)
         assert error.item() == pytest.approx(bar) and name.item() == source
@@ -82,7 +84,7 @@ def test_ends_of_windows_are_exact_with_their_errors(handout, needs, between, lo
 @pytest.mark.usefixtures("linear")
 def test_a_value_of_linear_thresholds_is_exact(handout):
     made = snapmap.design(handout, "thickness", N=1503, f0=1e3, **LINEAR)
-    assert made.value == pytest.approx(1.503) and made.error == pytest.approx(0.005 + 1 / 8 / 1024)
+    assert made.value == pytest.approx(1.503) and made.error == pytest.approx(0.01 + 1 / 8 / 1024)
     both = [require("stay", 1500.0, False) | {"direction": "both"}]
     made = snapmap.design(handout, "thickness", requirements=both, **LINEAR)
     assert made.requirement.values.tolist() == ["stay, versed sine +z", "stay, versed sine -z"]

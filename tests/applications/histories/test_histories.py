@@ -49,9 +49,8 @@ def test_the_work_on_a_mass_alone_is_what_its_residual_swing_holds(handout, rati
 def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monkeypatch):
     """Windows and what is kept do not matter; the snap ends the part before it within a step."""
     shot, model, device = (1100.0, 1500.0, 25.0), CHEAP["model"], varied(handout, damping=4e-3)
-    short, long = (
-        snapmap.simulate(Study(device, model, horizon=end), *shot) for end in (200.0, 1500.0)
-    )
+    studies = [Study(device, model, horizon=end) for end in (200.0, 1500.0)]
+    short, long = (snapmap.simulate(study, *shot) for study in studies)
     study = Study(device, model=model, horizon=1500.0)
     extremes = history.extremes_of(study, *shot)._asdict()
     assert extremes == {key: long[key].item() for key in extremes}
@@ -71,6 +70,10 @@ def test_the_largest_values_are_those_of_every_step_to_any_horizon(handout, monk
     at_snap = np.interp(-run.second_equilibrium, -part.w_mid, part.stress)
     expected = max(run.stress.values[:after].max(), at_snap)
     assert run.stress_max_to_snap == pytest.approx(expected, rel=1e-12)
+    w, stress = np.array([3.0, 1.0, -3.0]), np.array([1.0, 2.0, 10.0])
+    assert history._stress_to(0.0, w, stress) == (4.0, True)  # a quarter of the way from 2 to 10
+    assert history._stress_to(0.0, w, stress[[2, 0, 1]]) == (10.0, True)
+    assert history._stress_to(-5.0, w, stress) == (10.0, False)
 
 
 ENERGETIC = [(CHEAP, 700.0), (CHEAP, 1500.0), (REFERENCE, 1500.0)]
@@ -109,9 +112,10 @@ def test_the_snap_is_that_of_the_motion_shown(handout, monkeypatch, N, f0, C, as
     run = snapmap.simulate(Study(device, **asked), N, f0, C)
     assert run.outcome == OUTCOMES.index(outcome)
     back = run.get("first_equilibrium")
-    w, target = (
-        (run.w_mid, run.second_equilibrium.item()) if back is None else (-run.w_mid, -back.item())
-    )
+    side, end = (1, run.second_equilibrium) if back is None else (-1, back)
+    w, target = side * run.w_mid, side * end.item()
+    of_rest, next_to_it = run.axial_force.values[:2]
+    assert of_rest == pytest.approx(next_to_it, rel=1e-3, abs=1e-3)
     after = int(np.argmax(w.values <= target))
     assert np.isfinite(run.t_snap) == bool(after) == (outcome != "never")
     if after:
@@ -130,9 +134,8 @@ def test_errors_cover_nine_of_ten_runs_in_a_quarter_of_the_step():
     assert known.sum() > 20
     for error, bar in ((work, work_bar), (snap, snap_bar)):
         assert np.mean((error <= bar)[known]) >= 0.9
-        assert (
-            np.mean((error <= bar / history.SAFETY)[known]) < 0.9
-        )  # the spread itself is no error
+        # The spread itself is no error.
+        assert np.mean((error <= bar / history.SAFETY)[known]) < 0.9
 
 
 def test_a_cube_says_by_how_much_another_step_differs(handout):
@@ -162,9 +165,8 @@ def curves_of(run):
 @pytest.mark.usefixtures("paper")
 def test_a_figure_has_the_history_in_ms_and_multiples_of_g_and_marks_the_first_snap_if_seen():
     time, w = 0.01 * np.arange(6), [10, 0, -8, -12, -5, -12]
-    (beam, mass, *lines), (force, *of_force), (shock, *of_shock) = curves_of(
-        make_history(*w, t_snap=22.5)
-    )
+    panels = curves_of(make_history(*w, t_snap=22.5))
+    (beam, mass, *lines), (force, *of_force), (shock, *of_shock) = panels
     for curve, values in ((beam, w), (mass, np.add(w, 1)), (force, 0 * time), (shock, 2000)):
         np.testing.assert_allclose(curve, np.transpose(np.broadcast_arrays(time, values)))
     snap = [[0.0225, 0], [0.0225, 1]]

@@ -99,7 +99,8 @@ def test_a_beam_that_stays_in_an_independent_code_is_said_to_stay(handout):
 
 def test_a_beam_that_is_pushed_back_must_stay_in_its_first_shape(handout):
     """A mass on a weak damper comes back, and strikes it down again; a strong damper holds it."""
-    study = Study(device=varied(handout, damping=0.03), model={"name": "cosines", "modes": 3})
+    device, model = varied(handout, damping=0.03), {"name": "cosines", "modes": 3}
+    study = Study(device, model, horizon=1000.0)
     shock = {"name": "reset", "f0": 2000.0, "snaps": True, "start": "second", "N": 60_000.0}
     shock["shocks"] = make_shocks("half sine", "-z")
     light, damped = check(study, [Shock(**shock)], [25.0, 3000.0], 1e-3)

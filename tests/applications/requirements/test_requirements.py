@@ -32,11 +32,8 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
     amounts = {"below": 0.99 * first, "at": first, "in the bar below": first - error / 2}
     amounts["above"] = 1.01 * first
     pulse = {"shocks": make_shocks(record), "f0": 2000.0}
-    asked = [
-        Shock(name=f"{name} {must}", N=N, snaps=must, **pulse)
-        for name, N in amounts.items()
-        for must in ("arrives", False, "any")
-    ]
+    each = itertools.product(amounts.items(), ("arrives", False, "any"))
+    asked = [Shock(name=f"{name} {must}", N=N, snaps=must, **pulse) for (name, N), must in each]
     verdicts = check(Study(handout, **vars(study.run)), asked, [25.0])
     close = ["unclear", "unclear", "met"]
     expected = ["failed", "met", "met", *close, *close, "met", "failed", "met"]

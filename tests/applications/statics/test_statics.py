@@ -140,9 +140,8 @@ def test_a_guided_beam_with_a_second_cosine_is_as_stiff_as_its_energy_says(hando
     device = varied(handout, cosine_2=cosine_2, contact_at=-5.0)
     path, ways = snapmap.statics(device), np.linspace(0, 20, 401)
     forces, guided = forces_held(device.beam, ways), path.sel(branch="guided")
-    np.testing.assert_allclose(
-        np.interp(ways, guided.displacement, guided.force), forces, atol=0.05
-    )
+    held = np.interp(ways, guided.displacement, guided.force)
+    np.testing.assert_allclose(held, forces, atol=0.05)
     extremes = path.largest_force, path.least_force
     assert extremes == pytest.approx((forces.max(), forces.min()), abs=0.01)
     assert path.hold_force == pytest.approx(max(0.0, -forces[300]), abs=5e-3)
@@ -241,7 +240,7 @@ def test_each_device_has_a_file_of_its_name_if_there_may_be_several(device, name
     devices = lambda: dict.fromkeys(names)  # noqa: E731
     study = SimpleNamespace(device=device, devices=devices, model=SimpleNamespace(laws=None))
     assert application.outputs(study)["statics"] == [f"results/{path}.nc" for path in paths]
-    assert [*application.figures(study)] == paths
+    assert [*application.figures(study)] == paths and application.size == (3.6, 1)
     for force in (None, "own"):
         study.model.laws = SimpleNamespace(force=force)
         assert bool(application.outputs(study)) == (force is None)

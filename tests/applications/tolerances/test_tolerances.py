@@ -86,9 +86,8 @@ def test_bounds_of_a_quantile_are_order_statistics():
 def test_thresholds_are_those_of_the_devices_one_by_one(handout):
     scatters = {"thickness": "5 %", "youngs_modulus": "5 %", "duration": "3 %", "N": "2 %"}
     f0, C = [400.0, 1500.0, 4000.0], [25.0, 200.0]
-    made = snapmap.tolerance(
-        Study(handout, threads=2, **CHEAP), scatters, f0, C, samples=100, seed=2
-    )
+    study = Study(handout, threads=2, **CHEAP)
+    made = snapmap.tolerance(study, scatters, f0, C, samples=100, seed=2)
     assert made.N_first.notnull().all() and (made.bistable == 1).all()
     for i in (0, 17, 80, 99):
         sample = made.isel(sample=i)
@@ -191,9 +190,8 @@ def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, 
     common, axes = {"N": 1000.0, "f0": 1500.0, "shocks": both}, {"C": [25.0], "f0": [1500.0]}
     musts = {"trips": "arrives", "rests": False, "survives": "any"}
     needs = [Shock(name=name, snaps=must, **common) for name, must in musts.items()]
-    met = dataset.tolerances_of(
-        replace(study, device=device), axes | {"temperature": degrees}, made, needs
-    )
+    tempered = axes | {"temperature": degrees}
+    met = dataset.tolerances_of(replace(study, device=device), tempered, made, needs)
     corners = []
     for T, shocks in itertools.product(degrees, both.each()):
         single = [replace(required, shocks=shocks) for required in needs[:2]]
@@ -242,11 +240,8 @@ def test_probabilities_and_indices_are_drawn_as_they_are(scattered):
     np.testing.assert_allclose(tops, np.minimum(ends, 1))
     assert ends.max() > 1
     few, f0 = "few devices snap", [800.0, 1500.0, 3000.0]
-    for known, crossed, said in (
-        (f0[::2], [f0[1:2]], []),
-        (f0, [], []),
-        ([], [], [f"nothing to show: {few}"]),
-    ):
+    cases = (f0[::2], [f0[1:2]], []), (f0, [], []), ([], [], [f"nothing to show: {few}"])
+    for known, crossed, said in cases:
         part = scattered.sensitivity.where(scattered.f0.isin(known))
         ax = drawn(figure.draw_sensitivity, scattered.assign(sensitivity=part))
         crosses = [line for line in ax.lines if line.get_label() == f"not known: {few}"]

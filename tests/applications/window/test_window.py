@@ -94,10 +94,8 @@ def test_where_the_beam_breaks_a_requirement_fails(strong, met):
 
 def test_under_several_shocks_the_worst_counts(strong):
     axes, shapes = {"thickness": [2.0, 2.2], "C": [25.0]}, ["versed sine", "half sine"]
-    *alone, both = (
-        window_of(strong, axes, [replace(NEEDS[1], shocks=make_shocks(each))])
-        for each in (*shapes, shapes)
-    )
+    needs = [replace(NEEDS[1], shocks=make_shocks(each)) for each in (*shapes, shapes)]
+    *alone, both = (window_of(strong, axes, [need]) for need in needs)
     least = np.minimum(*(window.reserve for window in alone))
     np.testing.assert_array_equal(both.reserve, least)
     np.testing.assert_array_equal(both.N_first, least * 1100)
@@ -165,10 +163,9 @@ def test_no_design_chooses_a_temperature(handout, study):
     """Each requirement is met at both temperatures, or not at all; so is the yield."""
     study = replace(study, device=replace(handout, modulus_slope=-2e-3))
     design = {"thickness": np.array([2.0, 2.1, 2.2]), "C": [25.0]}
-    *apart, both = (
-        window_of(study, {"temperature": at} | design, NEEDS, Tolerances(SCATTERS, samples=16))
-        for at in ([-20.0], [60.0], [-20.0, 60.0])
-    )
+    axes = [{"temperature": at} | design for at in ([-20.0], [60.0], [-20.0, 60.0])]
+    made = Tolerances(SCATTERS, samples=16)
+    *apart, both = (window_of(study, each, NEEDS, made) for each in axes)
     assert both.reserve.dims == ("requirement", "thickness", "C")
     each = np.stack([window.reserve.squeeze("temperature") for window in apart])
     np.testing.assert_array_equal(both.reserve, each.min(axis=0))

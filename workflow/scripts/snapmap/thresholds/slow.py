@@ -62,7 +62,7 @@ def obstacles(device: Device, static: Number) -> dict[str, np.ndarray]:
     return reasons | {
         "the beam is free to tilt": np.not_equal(beam.free, 0),
         "the beam as made has a second cosine": np.not_equal(beam.cosine_2, 0),
-        "the mass is apart from the beam at rest": np.not_equal(device.gap, 0),
+        "no mass rests on the beam": np.not_equal(device.gap, 0),
         f"the mass is below {HEAVY:g} beams": np.less(device.mass, HEAVY * beam.weight),
         f"rise/thickness is below {SLENDER:g}": np.less(beam.bistability, SLENDER),
         f"the contact is below {FIRM:g} times as stiff as the falling beam": contact < FIRM * falls,

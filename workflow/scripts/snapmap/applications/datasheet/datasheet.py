@@ -145,7 +145,7 @@ def _of_beam(device):
     resets = f"{force:.5g} ± {plain(error, 1)} uN" if force > 0 else "none: it returns by itself"
     yield "force that snaps the beam", f"{path.largest_force.item():.5g} uN"
     yield "force that resets it", resets
-    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if beam.is_bistable else DASH
+    travel = f"{beam.height - beam.second_equilibrium:.5g} um" if force > 0 else DASH
     yield "travel of the midpoint to the second shape", travel
     if "hold_force" in path:
         at = f"force on the electrode at {path.contact_at.item():g} um"
