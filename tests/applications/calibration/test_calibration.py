@@ -172,9 +172,8 @@ def test_shots_stand_on_the_side_of_their_outcome_beside_the_fit():
     scatters, sure = ax.collections
     for band, by in ((sure, 1.0), (scatters, wide)):
         ends = [[1e3 / 1.2, 950 / by], [1e3 * 1.2, 1050 * by]]
-        assert [*band.get_datalim(ax.transData).get_points()] == [
-            pytest.approx(end, rel=1e-4) for end in ends
-        ]
+        points = band.get_datalim(ax.transData).get_points()
+        np.testing.assert_allclose(points, ends, rtol=1e-4)
     (panel,) = figure.panels(data)
     ax = drawn(figure.draw_shots, panel)
     assert ax.get_xlim() == pytest.approx((1e3 / 1.2, 2e3 * 1.2))
@@ -276,9 +275,8 @@ def test_a_surface_is_straight_between_its_points_over_up_to_four_unknowns(study
 @pytest.mark.parametrize(("written", "of_sweep", "C"), CASES["dampings"])
 def test_C_is_written_or_of_the_sweep_or_unknown(tmp_path, monkeypatch, written, of_sweep, C):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "shots.csv").write_text(
-        "N,f0,tripped,file\n900,1e3,no,\n950,1e3,yes,\n999,1e3,yes,\n"
-    )
+    shots = "N,f0,tripped,file\n900,1e3,no,\n950,1e3,yes,\n999,1e3,yes,\n"
+    (tmp_path / "shots.csv").write_text(shots)
     document = yaml.safe_load(TINY) | {"calibration": {"shots": "shots.csv"} | written}
     document["sweep"]["C"] = of_sweep
     asked = load_config(document).requests["calibration"]

@@ -50,9 +50,8 @@ def test_thresholds_and_shares_are_those_of_the_results(handout):
     (verdict,) = with_shares([verdict], required, made)
     text = datasheet(study, [verdict], source, required, made, ("mN*s/m", 1000.0), ["a doubt"])
 
-    met, share, shock, degrees, C, required, threshold, margin, end, *strength = row_of(
-        text, "drop, must not trip"
-    )
+    cells = row_of(text, "drop, must not trip")
+    met, share, shock, degrees, C, required, threshold, margin, end, *strength = cells
     assert (shock, degrees, C, required) == ("half sine +z, 1 ms", "20", "0.025", "500")
     assert (end, met, share) == ("does not arrive", verdict.verdict_text, verdict.share_text)
     assert met == "met by the nominal device" and share.startswith("100.0 % (9")
@@ -93,9 +92,8 @@ def test_all_corners_stand_in_two_rows_of_their_requirement_and_what_made_them(h
     source = CASES["source"]
     text = datasheet(study, rows, source, required[:1])
     for name, count in (("hit", 8), ("bump", 4)):
-        worst, *others = sorted(
-            (row for row in rows if row.requirement == name), key=lambda row: -row.badness[2]
-        )
+        of_name = [row for row in rows if row.requirement == name]
+        worst, *others = sorted(of_name, key=lambda row: -row.badness[2])
         first = row_of(text, f"{name}, must not trip")
         margin = float(first[7].split(" ± ")[0])
         assert len(others) == count - 1 and margin == pytest.approx(worst.margin, rel=1e-3)
@@ -146,10 +144,9 @@ def test_cells_of_a_requirement_are_its_words_and_numbers_with_their_errors(rows
 
 def test_forces_that_are_laws_are_not_known_at_rest(handout):
     """A law in place of the beam's force leaves the frequency of the mass alone."""
-    known, of_mass, of_beam = (
-        dict(_at_rest(handout, laws, [make_verdict()], ("uN*us/um", 1.0)))
-        for laws in (None, SimpleNamespace(force=None), SimpleNamespace(force="own"))
-    )
+    laws = None, SimpleNamespace(force=None), SimpleNamespace(force="own")
+    of_row = [make_verdict()], ("uN*us/um", 1.0)
+    known, of_mass, of_beam = (dict(_at_rest(handout, law, *of_row)) for law in laws)
     *of_both, frequency, slow, time = known
     assert known.pop(time).endswith(" us, for shocks up to N = 974.63")
     assert of_mass == known | {slow: OF_LAWS}

@@ -122,13 +122,10 @@ def test_closures_are_those_of_the_handouts_equations(device, N, f0):
 def test_a_cube_has_what_histories_have_and_else_nothing_new(device):
     how = {"model": MODEL, "horizon": HORIZON}
     asked = {"f0": [1500.0], "C": [25.0]}
-    study = Study(device, model=MODEL, horizon=HORIZON)
-    bare = replace(device, contact_at=-np.inf)
-    cube, other = (
-        snapmap.sweep(Study(each, **how), [700, 1000, 1100], **asked) for each in (device, bare)
-    )
-    alone = snapmap.sweep(Study(device, **how), [1000], **asked)
-    run = snapmap.simulate(Study(device, MODEL, horizon=HORIZON), 1000, 1500, 25)
+    study, bare = (Study(each, **how) for each in (device, replace(device, contact_at=-np.inf)))
+    cube, other = (snapmap.sweep(each, [700, 1000, 1100], **asked) for each in (study, bare))
+    alone = snapmap.sweep(study, [1000], **asked)
+    run = snapmap.simulate(study, 1000, 1500, 25)
     for key in CLOSING:
         assert cube[key].sel(N=1000).item() == alone[key].item() == np.float32(run[key])
     assert {*cube} - {*other} == {*CLOSING}

@@ -146,9 +146,8 @@ def test_a_cube_says_by_how_much_another_step_differs(handout):
     cells, struck = to_cells(handout, 0, N, f0, 25.0, 300.0), N > 0
     runs = [each.follow(cells, SETTINGS) for each in (model, model.with_step(REPEATED_STEP))]
     works, times = np.array([(run.pulse_work, run.t_snap) for run in runs]).swapaxes(0, 1)
-    work, error, time_error = (
-        cube[key].values.ravel() for key in ("pulse_work", "work_error", "t_snap_error")
-    )
+    keys = "pulse_work", "work_error", "t_snap_error"
+    work, error, time_error = (cube[key].values.ravel() for key in keys)
     np.testing.assert_array_equal(work, np.float32(works[0]))
     apart = np.float32(abs(works[1] - works[0])[struck] / works.max(axis=0)[struck])
     np.testing.assert_array_equal(error[struck], apart)

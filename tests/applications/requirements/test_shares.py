@@ -38,10 +38,8 @@ def cheap(device):
 def made_of(count, samples, confidence=0.95, C=25.0):
     """What a batch tells of one requirement, of whose devices so many meet it."""
     bounds = np.array(share_bounds(count, samples, confidence))[:, np.newaxis, np.newaxis]
-    data = {
-        "share_meeting": (("requirement", "C"), [[count / samples]]),
-        "share_meeting_bound": (("bound", "requirement", "C"), bounds),
-    }
+    data = {"share_meeting": (("requirement", "C"), [[count / samples]])}
+    data["share_meeting_bound"] = ("bound", "requirement", "C"), bounds
     return xr.Dataset(data, {"requirement": ["drop"], "C": [C]})
 
 

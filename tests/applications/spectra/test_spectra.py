@@ -237,17 +237,35 @@ def test_a_rate_that_obeys_the_law_is_found_with_its_bounds():
     assert missed <= 16
 
 
-def test_vibration_tells_rate_bounds_and_level(handout):
-    study = Study(handout, model={"name": "cosines", "cosines": 3})
-    high, again, calm = (
-        snapmap.vibration(study, [(20.0, S), (2000.0, S)], 0.05, C=C, records=4, reach=0.5)
-        for S, C in ((9.0, [25.0, 200.0]), (9.0, [200.0]), (0.09, [25.0, 200.0]))
-    )
+def test_a_fit_has_the_variance_of_its_likelihood_raised_by_the_scatter_of_the_counts():
+    """Of the inverse of Fisher's information, and Pearson's sum over its two degrees of freedom."""
+    x, steps = np.array([1.0, 0.7, 0.5, 0.35]), np.array([1.0, -1.0, 1.0, -1.0])
+    slopes, law = np.stack([np.ones(4), -x]), 16.0 * np.exp(2 - 6 * x)
+    for counts in (law, law * (1 + 0.9 * steps)):
+        a, b, variance = fit_rates(x, counts, [16.0] * 4)
+        expected = 16.0 * np.exp(a - b * x)
+        assert slopes @ (counts - expected) == pytest.approx([0, 0], abs=1e-6)
+        scatter = max(1, ((counts - expected) ** 2 / expected).sum() / 2)
+        assert (scatter > 1) == (counts is not law)
+        inverse = np.linalg.inv(slopes * expected @ slopes.T)
+        for at in np.array([0.4, 1.2]):
+            row = np.stack([1.0, -at])
+            assert variance(at) == pytest.approx(scatter * row @ inverse @ row)
+
+
+def test_vibration_tells_rate_bounds_and_level(handout, monkeypatch):
+    how = {"model": {"name": "cosines", "cosines": 3}}
+    asked = {"C": [25.0, 200.0], "records": 4, "reach": 0.5}
+    each = [[(20.0, density), (2000.0, density)] for density in (9.0, 0.09)]
+    ask = lambda psd: snapmap.vibration(Study(handout, **how), psd, 0.05, **asked)  # noqa: E731
+    high, calm = map(ask, each)
+    monkeypatch.setattr("snapmap.applications.spectra.vibration.PIECES", 1)  # one by one
+    again = ask(each[0])
     assert high.rms == pytest.approx(math.sqrt(9 * 1980)) and high.record_length == 0.05
     assert (high.snaps <= 4).all() and (high.failed == 0).all()
     assert ((high.level_low <= high.level) & (high.level <= high.level_high)).all()
     assert high.level[1] > high.level[0]  # damping helps
-    assert high.sel(C=[200.0]).identical(again) and (calm.snaps == 0).all()
+    assert high.identical(again) and (calm.snaps == 0).all()
     assert np.allclose(calm.rate_high, -math.log(0.025) / (4 * 0.05))
     assert np.allclose(calm.level, high.level, rtol=0.1)
 

@@ -167,9 +167,8 @@ def held_straight(beam, n):
     ends = np.array([[1, 0, 1, 0], [0, 1, 0, n], [0, 1, -np.sin(n / 2) * n, np.cos(n / 2) * n]])
     shear = n**3 * np.array([0, 0, np.sin(n / 2), -np.cos(n / 2)])
     parts, slopes, middles = ((-bow, 0, 0, 0), (0, 0, 0, 0.5)), [], []
-    for c, part in zip(
-        np.linalg.solve([*ends, shear], np.transpose(parts)).T, (bow, 0), strict=True
-    ):
+    solved = np.linalg.solve([*ends, shear], np.transpose(parts)).T
+    for c, part in zip(solved, (bow, 0), strict=True):
         wave = n * (c[3] * np.cos(n * x) - c[2] * np.sin(n * x))
         slopes.append(wave + c[1] - 2 * np.pi * part * np.sin(2 * np.pi * x))
         middles.append(c @ [1, 0.5, np.cos(n / 2), np.sin(n / 2)] - part)
@@ -207,10 +206,9 @@ def test_a_beam_without_its_second_mode_follows_the_closed_form_beyond_the_third
 @pytest.mark.usefixtures("paper")
 def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the_saddle(path):
     second, saddle = 10 - path.second_equilibrium, 10 - path.saddle
-    for draw, key, heights in (
-        (figure.draw_force_displacement, "force", (0, 0, 0)),
-        (figure.draw_energy, "energy", (0, 385.962, 486.805)),
-    ):
+    panels = [(figure.draw_force_displacement, "force", (0, 0, 0))]
+    panels.append((figure.draw_energy, "energy", (0, 385.962, 486.805)))
+    for draw, key, heights in panels:
         ax, real = drawn(draw, path), path[key].sel(branch="guided").values
         reach = (real.max() - real.min()) / 2
         assert ax.get_ylim() == pytest.approx((real.min() - reach, real.max() + reach))

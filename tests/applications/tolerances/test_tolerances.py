@@ -150,9 +150,8 @@ def test_samples_without_a_second_shape_count_and_never_snap(scattered):
 
 @pytest.mark.usefixtures("paper")
 def test_devices_with_one_threshold_have_a_probability_at_it_alone(handout):
-    made = snapmap.tolerance(
-        Study(handout, **CHEAP), {"thickness": 1e-15}, [1500.0], [25.0], samples=4
-    )
+    scattered = {"thickness": 1e-15}, [1500.0], [25.0]
+    made = snapmap.tolerance(Study(handout, **CHEAP), *scattered, samples=4)
     assert made.N.size == 1 and made.N.item() == made.N_first[0].item()
     ax = drawn(figure.draw_probability, made.isel(C=0))
     assert ax.get_xlim()[0] < made.N.item() < ax.get_xlim()[1]

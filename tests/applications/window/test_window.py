@@ -114,9 +114,8 @@ def test_a_line_says_what_lies_between_points():
     line = summary(window, {"mass": ("mg", 3.0)})
     assert line.startswith("thresholds on the right side of all requirements at 2 of 6 points, ")
     assert share(line) == pytest.approx(0.75**2, abs=0.03)
-    assert line.endswith(
-        "a factor of 1.152, is at mass = 0.333333 mg, C = 10.75 uN*us/um, yield 65.0%"
-    )
+    place = "mass = 0.333333 mg, C = 10.75 uN*us/um"
+    assert line.endswith(f"a factor of 1.152, is at {place}, yield 65.0%")
     # From x = 1.4 to 1.6 of 1 to 3.
     band = np.array([1 + (1.6 - x) / 10, 1 + (x - 1.4) / 10])[..., np.newaxis].repeat(2, axis=2)
     line = summary(window.assign(reserve=(over, band)), {})
