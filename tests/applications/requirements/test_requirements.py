@@ -1,7 +1,9 @@
 """Shocks that must or must not trip: their verdicts, what would mend them, and their figure."""
 
 import itertools
+from contextlib import nullcontext
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -12,10 +14,11 @@ from small_studies import THREE_COSINES, cases_of, changed, faults
 
 import snapmap
 from snapmap.applications.requirements import application, figure
-from snapmap.applications.requirements.check import check, judge
+from snapmap.applications.requirements.check import _is_close, check, judge
 from snapmap.applications.requirements.summary import restless, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
 from snapmap.applications.whole import load_config
+from snapmap.figures import style
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
@@ -50,6 +53,16 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
     assert off[furthest.requirement] == max(off.values())
     side = "not sensitive enough" if furthest.must_snap else "too sensitive"
     assert f"{side}, trips" in words
+
+
+@pytest.mark.parametrize(("values", "is_close"), CASES["close"])
+def test_an_amplitude_within_the_bar_or_the_ragged_range_is_too_close(values, is_close):
+    assert _is_close(*values) is is_close
+
+
+@pytest.mark.parametrize(("values", "words"), CASES["corners"])
+def test_a_corner_has_its_device_shock_and_temperature_in_words(values, words):
+    assert make_verdict(**values).corner == words
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
@@ -156,6 +169,16 @@ def test_verdicts_are_read_as_they_were_written(tmp_path):
     assert ",C (uN us um-1)," in (tmp_path / "requirements.csv").read_text()
     for before, after in zip(asked, read, strict=True):
         np.testing.assert_equal(vars(replace(after, more={})), vars(replace(before, more={})))
+
+
+def test_a_figure_has_room_for_each_row(tmp_path, monkeypatch):
+    rows = [make_verdict(requirement=name) for name in ("drop", "hit", "drop")]
+    write_verdicts(rows, path := tmp_path / "requirements.csv", "uN*us/um")
+    saved = Mock(return_value=nullcontext(style.double_column(2.0)))
+    monkeypatch.setattr(style, "saved", saved)
+    application.draw({"requirements": {}}, "figures", {"requirements": path})
+    stem, _, height = saved.call_args.args
+    assert (stem, height) == ("figures/requirements", 1.2 + 2 * 0.32)
 
 
 @pytest.mark.usefixtures("paper")
