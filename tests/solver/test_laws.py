@@ -200,9 +200,8 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
     assert snapmap.sweep(study, [900.0], [F0], cube.C).identical(cube)
     title = snapmap.plot_outcome(cube.sel(C=8.0)).get_title()
     assert "$C$ = 8 µN µs$^{2}$ µm$^{-2}$" in title
-    with pytest.raises(
-        ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
-    ):
+    line = r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
+    with pytest.raises(ValueError, match=line):
         snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
     own = snapmap.Study(handout, Elements(laws=seen), until="snap")
     own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit

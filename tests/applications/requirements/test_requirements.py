@@ -13,7 +13,7 @@ from small_results import artists, drawn, legend_words, make_verdict
 from small_studies import THREE_COSINES, cases_of, changed, faults
 
 import snapmap
-from snapmap.applications.requirements import application, figure
+from snapmap.applications.requirements import application, figure, left_out
 from snapmap.applications.requirements.check import _is_close, check, judge
 from snapmap.applications.requirements.summary import restless, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
@@ -130,6 +130,12 @@ def test_a_requirement_has_the_pulse_of_its_study(changes, required, expected):
             return
         assert [[one.pulse.name, one.direction] for one in shock.shocks.each()] == expected
         assert (required[0].get("N") or shock.shocks.pulse.peak / 9.81e-6) == shock.N
+
+
+def test_a_yield_leaves_out_spectra_and_closings():
+    more = CASES["study"] | CASES["left out"]
+    study = load_config(changed(yaml.safe_load(THREE_COSINES), **more))
+    assert left_out(study) == ["srs", "the closing of crash"]
 
 
 def test_the_worst_corner_is_in_front():
