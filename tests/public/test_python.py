@@ -196,14 +196,9 @@ def test_a_misspelt_argument_is_named_with_the_right(right_calls):
 
 
 def test_what_belongs_elsewhere_is_told_where(right_calls):
-    sweep = right_calls["sweep"]
     for key, words in CASES["elsewhere"].items():
-        with pytest.raises(TypeError, match=f"^{key}: is not an argument; write ") as caught:
-            snapmap.sweep(**sweep, **{key: 1})
-        assert words in str(caught.value)
-    for key, words in CASES["nowhere"].items():
         with pytest.raises(TypeError, match=f"^{key}: is not an argument{words}"):
-            snapmap.sweep(**sweep, **{key: 1})
+            snapmap.sweep(**right_calls["sweep"], **{key: 1})
 
 
 def test_a_duration_stands_for_f0_in_every_call_and_beside_it_in_none(handout):
@@ -327,24 +322,25 @@ def test_numbers_of_pulses_are_plain():
         assert json.loads(json.dumps(section)) == section and "np." not in str(section)
 
 
-@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64, np.array, xr.DataArray])
-def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls, kind):
+def test_calls_give_the_same_by_numbers_of_each_kind(handout, right_calls):
     """Those of numpy and xarray are plain ones behind the door."""
-    study = snapmap.Study(handout, snapmap.Cosines(modes=np.int64(3)), horizon=kind(0.0))
-    assert study == snapmap.Study(handout, **CHEAP)
+    kinds = np.float64, np.float32, np.int64, np.array, xr.DataArray
+    for kind in kinds:
+        study = snapmap.Study(handout, snapmap.Cosines(modes=np.int64(3)), horizon=kind(0.0))
+        assert study == snapmap.Study(handout, **CHEAP)
     for name in right_calls.keys() - {"load_device", "open_cube", "plot_outcome", "words"}:
-        right = right_calls[name]
-        made, other = (FUNCTIONS[name](**asked) for asked in (right, converted(right, kind)))
-        if name in ("design", "read_pulse", "Beam", "Device"):
-            assert made == other
-        else:
-            assert made.identical(other) and "np." not in other.attrs["config"]
+        made = FUNCTIONS[name](**right_calls[name])
+        for kind in kinds:
+            other = FUNCTIONS[name](**converted(right_calls[name], kind))
+            if name in ("design", "read_pulse", "Beam", "Device"):
+                assert made == other, (name, kind)
+            else:
+                assert made.identical(other) and "np." not in other.attrs["config"], (name, kind)
 
 
 def test_coordinates_of_its_own_cubes_are_taken(handout):
     study = snapmap.Study(handout, **CHEAP)
-    axes = {"thickness": [2.0]}
-    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes=axes)
+    cube = snapmap.sweep(study, [900.0, 1000.0], [1500.0], [25.0], axes={"thickness": [2.0]})
     assert (cube.f0.units, cube.C.units, cube.thickness.units) == ("Hz", "uN us um-1", "um")
     axes = {"thickness": cube.thickness}
     edges = snapmap.threshold(study, cube.f0, cube.C, axes=axes)

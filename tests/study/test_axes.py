@@ -15,6 +15,7 @@ from snapmap import Study
 from snapmap.applications.whole import load_config
 from snapmap.config.views import frequency_of
 from snapmap.device.device import VALUES
+from snapmap.solver.outcome import ABSENT
 from snapmap.study.axes import duration_of
 from snapmap.sweeps.cube import collect_slabs
 from snapmap.sweeps.slabs import slab_name, write_slab
@@ -77,6 +78,8 @@ def test_a_study_names_the_point_that_cannot_be():
         load_config(document(thickness=["1.9 um", "4 um"]))
     study = load_config(document(thickness=["1.9 um", "4 um"]) | {"skip": True})
     assert study.grid.device_of.tolist() == [0, -1]
+    alone = Study({"thick": varied(study.device, thickness=4.0)}, skip=True, **CHEAP)
+    assert (snapmap.sweep(alone, **SHOCK).outcome == ABSENT).all()
 
 
 def test_slabs_of_many_axes_make_the_cube_of_one_sweep(tmp_path, monkeypatch):

@@ -124,8 +124,7 @@ def make_grid(
         size = f"axes of the device: {math.prod(shape):.3g} points"
         raise ValueError(f"{size}, more than {MOST_DEVICES}; write fewer")
     places = np.indices(shape).reshape(len(shape), math.prod(shape))
-    columns = zip(device_axes.items(), places, strict=True)
-    point = {key: values[place] for (key, values), place in columns}
+    point = {key: axis[i] for (key, axis), i in zip(device_axes.items(), places, strict=True)}
     devices = _batch(*nominal)
     if device_axes:
         devices = devices.pick(places[0] if by_name else np.zeros(places.shape[1], int))
@@ -134,8 +133,9 @@ def make_grid(
     if exists.any():
         point = {key: column[exists] for key, column in point.items()}
         device = _vary(devices if exists.all() else devices.pick(exists), point)
-    else:  # models need a device, though no cell has it
-        device = devices.pick([0])
+    else:  # models need a device with two shapes, though no cell has it
+        most = devices.pick([0]).beam.most_stress
+        device = devices.pick([0]).vary({"residual_stress": most - abs(most)})
     return Grid(
         axes=device_axes | shocks.axes | {key: points[key] for key in SHOCK_AXES if key in points},
         device=device,
