@@ -31,10 +31,9 @@ def test_safe_cells_agree_with_the_top_level(handout, values, C):
     device = varied(handout, **values)
     adaptive, cells = build_adaptive(device), own_map(device, C)
     seen = adaptive.follow(cells, SNAP)
-    check, top = (
-        np.isfinite(level.follow(cells, SNAP.but(until=until)).t_snap)
-        for level, until in ((adaptive.check, "snap"), (adaptive.top, "edge"))
-    )
+    asked = (adaptive.check, "snap"), (adaptive.top, "edge")
+    runs = (level.follow(cells, SNAP.but(until=until)) for level, until in asked)
+    check, top = (np.isfinite(run.t_snap) for run in runs)
     wrong = np.isfinite(seen.t_snap) != top
     assert 0.1 < top.mean() < 0.9 and wrong[seen.agreed != DISPUTED].mean() <= 1e-3
     assert not wrong[seen.level == 1].any() and (seen.level == 1).mean() < 0.35
@@ -78,10 +77,8 @@ def test_a_map_until_all_has_settled_snaps_where_and_when_a_map_to_the_snap_does
     """To the bit; and what snaps ends as the second level says of it."""
     device, f0, C = varied(handout, damping=4e-3), [800.0, 3000.0], [25.0]
     N = np.linspace(900.0, 2000.0, 23)
-    ended, to_snap = (
-        snapmap.sweep(Study(device, until=until, horizon=3000.0), N, f0, C)
-        for until in ("settled", "snap")
-    )
+    studies = [Study(device, until=until, horizon=3000.0) for until in ("settled", "snap")]
+    ended, to_snap = (snapmap.sweep(study, N, f0, C) for study in studies)
     np.testing.assert_array_equal(ended.t_snap, to_snap.t_snap)
     np.testing.assert_array_equal(ended.level, to_snap.level)
     snapped = ended.t_snap.notnull().values

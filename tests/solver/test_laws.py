@@ -14,7 +14,6 @@ from small_studies import THREE_COSINES, cases_of
 import snapmap
 from snapmap import Study
 from snapmap.applications import gather
-from snapmap.applications.datasheet.datasheet import _at_rest
 from snapmap.applications.page.figure import OF_LAWS, page
 from snapmap.applications.whole import doubts, load_config
 from snapmap.config.doubts import descriptions
@@ -201,9 +200,8 @@ def test_a_law_counts_C_in_the_unit_that_it_states(handout):
     assert snapmap.sweep(study, [900.0], [F0], cube.C).identical(cube)
     title = snapmap.plot_outcome(cube.sel(C=8.0)).get_title()
     assert "$C$ = 8 µN µs$^{2}$ µm$^{-2}$" in title
-    with pytest.raises(
-        ValueError, match=r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
-    ):
+    line = r"^C: '7 uN\*us/um' does not convert to uN\*us\^2/um\^2; "
+    with pytest.raises(ValueError, match=line):
         snapmap.sweep(study, [900.0], [F0], "7 uN*us/um")
     own = snapmap.Study(handout, Elements(laws=seen), until="snap")
     own = snapmap.sweep(own, [900.0], [F0], "7 uN*us/um")  # as without a unit
@@ -227,18 +225,10 @@ def test_a_config_writes_C_in_the_unit_of_its_law(root, law_file):
         load_config(CONFIG | damped)
 
 
-def test_what_a_data_sheet_does_not_know_it_says(handout, laws):
-    force, damping = laws("double_well"), laws("cubic_damping")
-    own, pulled, dragged = (
-        dict(_at_rest(handout, each, [], ("", 1.0))) for each in (None, force, damping)
-    )
-    told = {key for key, text in pulled.items() if text == "not known under model.laws"}
-    assert own.keys() == pulled.keys() == told | {"frequency of the mass on its spring"}
-    assert {key for key in own if dragged[key] != own[key]} == {
-        "N above which a slow shock snaps it"
-    }
+def test_statics_of_a_law_in_place_of_the_beams_force_are_refused(handout, laws):
+    study = snapmap.Study(handout, snapmap.Cosines(laws=laws("double_well")))
     with pytest.raises(ValueError, match=r"^model\.laws: force: statics are of the device's own"):
-        snapmap.statics(snapmap.Study(handout, snapmap.Cosines(laws=force)))
+        snapmap.statics(study)
 
 
 def test_the_laws_on_the_page_are_those_of_the_examples(root, laws):

@@ -102,13 +102,11 @@ def test_central_differences_are_stable_up_to_the_limit_of_the_tangent(handout):
     lumped *= handout.beam.density * handout.beam.area
     # Here slopes are those by x / L.
     lumped[1::2] /= handout.beam.span**2
-    assert stability_limits(handout, elements, np.diag(lumped)) == pytest.approx(
-        [0.07394, 0.07393, 0.06819], abs=5e-6
-    )
+    found = stability_limits(handout, elements, np.diag(lumped))
+    assert found == pytest.approx([0.07394, 0.07393, 0.06819], abs=5e-6)
     cosines = symmetric_cosines(3).scaled_to(handout.beam)
-    assert stability_limits(handout, cosines, cosines.mass) == pytest.approx(
-        [0.508, 0.472, 0.254], abs=5e-4
-    )
+    found = stability_limits(handout, cosines, cosines.mass)
+    assert found == pytest.approx([0.508, 0.472, 0.254], abs=5e-4)
     below, above = (
         abs(march(handout, 1e-3, 1.5e-3, 0.0, share * limits[1], 200.0)[1][:, :9]).max()
         for share in (0.99, 1.01)
@@ -180,9 +178,8 @@ def test_a_penalty_without_end_is_hard_contact_in_the_same_step(handout):
     hard, stiff = (build_model(device, Cosines(modes=5)) for device in devices)
     assert hard.steps.longest == stiff.steps.longest
     cells = to_cells(handout, 0, np.linspace(700, 1900, 24), 1500.0, 25.0, 300.0)
-    t_snaps = [
-        model.follow(cells, Run(horizon=300.0, until="snap")).t_snap for model in (hard, stiff)
-    ]
+    ended = Run(horizon=300.0, until="snap")
+    t_snaps = [model.follow(cells, ended).t_snap for model in (hard, stiff)]
     np.testing.assert_allclose(*t_snaps, rtol=1e-6)
     assert np.isfinite(t_snaps[0]).any() and np.isnan(t_snaps[0]).any()
 
@@ -228,9 +225,8 @@ def test_every_row_and_every_variable_stands_in_the_table_of_symbols(root):
 def test_a_step_of_the_plain_loop_is_expected_to_take_longest(handout):
     def seconds_of_a_step(name):
         cells = to_cells(handout, 0, 900.0, [1000.0], 25.0, 1500.0)
-        dt, seconds = steps_and_seconds(
-            build_model(handout, MODELS[name]()), cells, Run(until="snap")
-        )
+        model = build_model(handout, MODELS[name]())
+        dt, seconds = steps_and_seconds(model, cells, Run(until="snap"))
         return (seconds * dt / cells.t_end).item()
 
     assert seconds_of_a_step("reference") > 10 * seconds_of_a_step("elements")

@@ -111,9 +111,8 @@ def extremes(model, pulse, N, C):
 def test_extremes_are_those_of_every_step(calm, pulse):
     """Also of a weak shock, which shows its largest travel after the blow, at little energy."""
     asked = np.array([3.0, 30.0, 300.0, 900.0]), 25.0
-    (ours, *windows), (theirs, *all_windows) = (
-        extremes(calm, each, *asked) for each in (pulse, without_quiet(pulse))
-    )
+    found = (extremes(calm, each, *asked) for each in (pulse, without_quiet(pulse)))
+    (ours, *windows), (theirs, *all_windows) = found
     assert np.less(windows, np.divide(all_windows, 3)).all()
     np.testing.assert_allclose(ours, theirs, rtol=1e-5, atol=1e-9)
 

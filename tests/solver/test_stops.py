@@ -130,8 +130,7 @@ def test_strong_shocks_against_a_stop_end_as_in_an_eighth_of_the_step(name):
 @pytest.mark.parametrize("model", [{"name": "cosines", "modes": 3}, {"name": "reference"}])
 def test_stops_out_of_reach_change_no_bit(handout, model):
     far = varied(handout, stop_toward=1e3, stop_away=1e3)
-    free, held = (
-        snapmap.simulate(Study(each, model), 1300.0, 3000.0, 25.0) for each in (handout, far)
-    )
+    studies = Study(handout, model), Study(far, model)
+    free, held = (snapmap.simulate(study, 1300.0, 3000.0, 25.0) for study in studies)
     for key in free:
         np.testing.assert_array_equal(free[key], held[key])

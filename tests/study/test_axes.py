@@ -45,10 +45,8 @@ def test_every_value_can_be_an_axis(handout, key):
     cube = snapmap.sweep(Study(handout, **how), **asked, axes={key: values})
     assert cube[key].values.tolist() == values and cube[key].attrs["units"]
     for i, value in enumerate(values):
-        assert same(
-            cube.isel({key: i}),
-            snapmap.sweep(Study(varied(handout, **{key: value}), **how), **asked),
-        )
+        one = snapmap.sweep(Study(varied(handout, **{key: value}), **how), **asked)
+        assert same(cube.isel({key: i}), one)
 
 
 DEVICES = {"as drawn": {}, "thin": {"thickness": 1.8, "mass": 9e3}}

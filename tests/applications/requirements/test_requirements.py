@@ -1,7 +1,9 @@
 """Shocks that must or must not trip: their verdicts, what would mend them, and their figure."""
 
 import itertools
+from contextlib import nullcontext
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,11 +13,12 @@ from small_results import artists, drawn, legend_words, make_verdict
 from small_studies import THREE_COSINES, cases_of, changed, faults
 
 import snapmap
-from snapmap.applications.requirements import application, figure
-from snapmap.applications.requirements.check import check, judge
+from snapmap.applications.requirements import application, figure, left_out
+from snapmap.applications.requirements.check import _is_close, check, judge
 from snapmap.applications.requirements.summary import restless, summary, worst
 from snapmap.applications.requirements.verdict import corners, read_verdicts, write_verdicts
 from snapmap.applications.whole import load_config
+from snapmap.figures import style
 from snapmap.pulse.pulse import make_pulse
 from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
@@ -50,6 +53,16 @@ def test_verdicts_follow_from_the_threshold_of_the_required_pulse(handout, study
     assert off[furthest.requirement] == max(off.values())
     side = "not sensitive enough" if furthest.must_snap else "too sensitive"
     assert f"{side}, trips" in words
+
+
+@pytest.mark.parametrize(("values", "is_close"), CASES["close"])
+def test_an_amplitude_within_the_bar_or_the_ragged_range_is_too_close(values, is_close):
+    assert _is_close(*values) is is_close
+
+
+@pytest.mark.parametrize(("values", "words"), CASES["corners"])
+def test_a_corner_has_its_device_shock_and_temperature_in_words(values, words):
+    assert make_verdict(**values).corner == words
 
 
 def test_a_verdict_is_unclear_up_to_the_last_snap_of_a_ragged_row(handout, study):
@@ -119,6 +132,12 @@ def test_a_requirement_has_the_pulse_of_its_study(changes, required, expected):
         assert (required[0].get("N") or shock.shocks.pulse.peak / 9.81e-6) == shock.N
 
 
+def test_a_yield_leaves_out_spectra_and_closings():
+    more = CASES["study"] | CASES["left out"]
+    study = load_config(changed(yaml.safe_load(THREE_COSINES), **more))
+    assert left_out(study) == ["srs", "the closing of crash"]
+
+
 def test_the_worst_corner_is_in_front():
     """What is violated before what is unclear; a strength counts if the beam must survive."""
     margins = {"met": 1.01, "unclear": 0.5, "failed": 0.9}
@@ -156,6 +175,16 @@ def test_verdicts_are_read_as_they_were_written(tmp_path):
     assert ",C (uN us um-1)," in (tmp_path / "requirements.csv").read_text()
     for before, after in zip(asked, read, strict=True):
         np.testing.assert_equal(vars(replace(after, more={})), vars(replace(before, more={})))
+
+
+def test_a_figure_has_room_for_each_row(tmp_path, monkeypatch):
+    rows = [make_verdict(requirement=name) for name in ("drop", "hit", "drop")]
+    write_verdicts(rows, path := tmp_path / "requirements.csv", "uN*us/um")
+    saved = Mock(return_value=nullcontext(style.double_column(2.0)))
+    monkeypatch.setattr(style, "saved", saved)
+    application.draw({"requirements": {}}, "figures", {"requirements": path})
+    stem, _, height = saved.call_args.args
+    assert (stem, height) == ("figures/requirements", 1.2 + 2 * 0.32)
 
 
 @pytest.mark.usefixtures("paper")
