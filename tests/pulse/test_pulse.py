@@ -128,7 +128,7 @@ def test_both_directions_are_written_as_both_and_others_as_they_are(direction):
     written = {"+z": None, ("+z", "-z"): "both"}.get(direction, direction)
     shocks = make_shocks(direction=direction)
     assert shocks.section() == ({"pulse": {"direction": written}} if written else {})
-    assert make_shocks(shocks.values()).direction == shocks.direction
+    assert make_shocks(shocks.values()).direction == shocks.part({}).direction == shocks.direction
 
 
 def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
