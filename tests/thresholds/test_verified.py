@@ -15,7 +15,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Run
-from snapmap.thresholds import verified
+from snapmap.thresholds import surface, verified
 from snapmap.thresholds.probe import Probe, nearby
 from snapmap.thresholds.search import FAST_PULSE, RINGING, Search, is_fast, is_ringing
 from snapmap.thresholds.verified import Expected, fill
@@ -80,6 +80,13 @@ def test_a_verified_threshold_is_as_near_as_its_bar_says(handout, monkeypatch, e
     np.testing.assert_allclose(made["N_error"], 0.0201 * exact + abs(exact - N), atol=7.2e-5)
     np.testing.assert_array_equal(made["N_always"], made["N_first"] if not highest else np.nan * N)
     np.testing.assert_allclose([made["N_looked"], made["level"]], [1.9 * N, level])
+
+
+def test_a_row_latches_from_the_lowest_N_on_above_which_all_do(handout, monkeypatch):
+    monkeypatch.setattr(surface, "steps_and_seconds", lambda *_: np.ones((2, 1, 1)))
+    low, high = np.array([1.0, 1.6, 1.0, np.nan]), np.array([2.0, 2.0, 1.4, 2.0])
+    found = surface.lowest_latched(Probe(Known(batch([handout])), SLOW, Run()), low, high)
+    np.testing.assert_allclose(found, [1.01**41, 1.6, np.nan, np.nan])
 
 
 def test_rows_ring_or_are_fast_by_their_pulse_and_damper(handout):
