@@ -85,9 +85,8 @@ def test_a_pulse_made_by_hand_is_right_or_refused_in_a_line():
             with pytest.raises(ValueError, match=rf"\Apulse: pieces .*{fault}.*\Z"):
                 Pulse("mine", pieces)
     for value in (0.0, -1.0, np.nan, "1 kg"):
-        with pytest.raises(
-            ValueError, match=r"\Apulse: duration .*(is not a number above 0|convert to us)"
-        ):
+        line = r"\Apulse: duration .*(is not a number above 0|convert to us)"
+        with pytest.raises(ValueError, match=line):
             Pulse("mine", PIECES, duration=value)
     with pytest.raises(ValueError, match=r"\Apulse: name 3 is not text\Z"):
         Pulse(3, PIECES)

@@ -275,10 +275,8 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     times = snapmap.sampled(["0 ms", "0.1 ms", "0.4 ms"], [0, 1, 0])
     assert times.duration == snapmap.sampled([0, 0.1, 0.4] * U.ms, [0, 1, 0]).duration == 400.0
     wrong = {"drop": {"height": 1 * U.s, "duration": 500}}
-    for key, value, path in (
-        ("pulse", wrong, "pulse.drop.height"),
-        ("horizon", 1 * U.m, "horizon"),
-    ):
+    cases = ("pulse", wrong, "pulse.drop.height"), ("horizon", 1 * U.m, "horizon")
+    for key, value, path in cases:
         with pytest.raises(ValueError, match=rf"\A{path}: .* does not convert to u[ms].*\Z"):
             snapmap.Study(handout, **{key: value})
     with pytest.raises(ValueError, match=r"\Atime: .* does not convert to us.*\Z"):
@@ -286,8 +284,6 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     ranges = {"thickness": ("1.7 um", "2300 nm")}, {"thickness": [1.7, 2.3] * U.um}
     times = ["1 ms"] * 6, [1 * U.ms] * 6
-    fits = [
-        snapmap.calibrate(study, shots | {"duration": time}, unknown, C=25)
-        for time, unknown in zip(times, ranges, strict=True)
-    ]
+    asked = zip(({"duration": time} for time in times), ranges, strict=True)
+    fits = [snapmap.calibrate(study, shots | time, unknown, C=25) for time, unknown in asked]
     assert fits[0].estimate.item() == fits[1].estimate.item()
