@@ -11,10 +11,8 @@ from snapmap.numerics.statistics import devices_to_decide, percents, scope, shar
 @pytest.mark.parametrize(("samples", "confidence"), [(8, 0.95), (100, 0.9), (5000, 0.99)])
 def test_each_bound_is_that_of_the_exact_test_of_its_side(samples, confidence):
     for count in (0, 1, samples // 3, samples):
-        low, high = (
-            stats.binomtest(count, samples, alternative=side).proportion_ci(confidence)[end]
-            for side, end in (("greater", 0), ("less", 1))
-        )
+        tests = (stats.binomtest(count, samples, alternative=side) for side in ("greater", "less"))
+        (low, _), (_, high) = (test.proportion_ci(confidence) for test in tests)
         np.testing.assert_allclose(share_bounds(count, samples, confidence), (low, high), atol=1e-7)
 
 

@@ -194,9 +194,8 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
     how = {"model": "cosines"}
     asked = {"C": [25.0]}
-    exact = snapmap.threshold(
-        Study(handout, pulse="half sine", **how), [2000.0, 5000.0], **asked
-    ).N_first
+    study = Study(handout, pulse="half sine", **how)
+    exact = snapmap.threshold(study, [2000.0, 5000.0], **asked).N_first
     for f0, N in zip((None, [5000.0]), exact.values[0], strict=True):
         edge = snapmap.threshold(Study(handout, pulse=pulse, **how), f0, **asked)
         assert edge.f0.item() == pytest.approx(5000.0 if f0 else 2000.0)

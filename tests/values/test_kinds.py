@@ -23,11 +23,8 @@ from snapmap.values.units import USUAL, by_pint, of_file, require_unit, spelling
 
 U = pint.UnitRegistry()
 CASES = cases_of(__file__)
-KINDS = {
-    name: kind
-    for name, alias in vars(quantities).items()
-    if isinstance(kind := kind_of(alias), Quantity)
-}
+KINDS = {name: kind_of(alias) for name, alias in vars(quantities).items()}
+KINDS = {name: kind for name, kind in KINDS.items() if isinstance(kind, Quantity)}
 OF_UNITS = [name for name in KINDS if KINDS[name].unit]
 
 
