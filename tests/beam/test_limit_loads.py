@@ -17,9 +17,9 @@ from snapmap.device.device import batch
 
 @pytest.mark.filterwarnings("error")
 def test_static_thresholds_are_the_largest_forces_and_that_of_a_mass_far_away(handout):
-    assert static_threshold(alone(handout)) == static_threshold(varied(handout, gap=1e4))
-    tilts = alone(handout, 1.0, free=1.0, imperfection=0.01)
-    for device in (alone(handout, 1.0), tilts):
+    far, held = varied(handout, gap=1e4), varied(handout, gap=0.5, spring=1e6)
+    assert static_threshold(alone(handout)) == static_threshold(far) == static_threshold(held)
+    for device in (alone(handout, 1.0), alone(handout, 1.0, free=1.0, imperfection=0.01)):
         force = snapmap.statics(device).largest_force.item()
         assert static_threshold(device) == pytest.approx(force, rel=1e-4)
     for made in ({"residual_stress": -20.0}, {"cosine_2": 0.2, "residual_stress": -150.0}):

@@ -26,8 +26,9 @@ def test_samples_have_the_moments_of_their_distribution(handout, scatter):
 
 def test_samples_are_seeded_grow_and_move_together(handout):
     scatters = {"thickness": 0.05, "rise": "2 %", "depth": {"uniform": 0.1}}
+    scatters |= {"residual_stress": 5.0, "C": {"lognormal": "5 %"}}
     plan = Plan(handout, kind_of(Scatters).take(scatters), together=[["thickness", "depth"]])
-    assert plan.names == ["thickness+depth", "rise"]
+    assert plan.names == ["thickness+depth", "rise", "residual_stress", "C"]
     few, many = plan.points(100, 7), plan.points(1000, 7)
     np.testing.assert_array_equal(few, many[:, :100])
     assert (plan.points(100, 8) != few).all()

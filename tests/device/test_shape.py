@@ -14,6 +14,7 @@ from snapmap.beam.cosines import antisymmetric_loads, symmetric_cosines
 from snapmap.beam.elements import hermite_elements
 from snapmap.beam.equilibria import find_barrier
 from snapmap.device import shape
+from snapmap.device.arch import equilibria
 
 SHAPES = cases_of(__file__)
 
@@ -125,6 +126,12 @@ def test_a_stress_buckles_the_flat_beam_and_a_higher_one_ends_the_second_shape(h
     assert not replace(beam, residual_stress=0.999 * stays).stays_if_free
     with pytest.raises(ValueError, match=r"69\.453 MPa"):
         replace(beam, residual_stress=70.0).require_second_shape()
+
+
+def test_a_saddle_at_the_second_load_has_its_closed_form():
+    """There the first shape grows by 1/(1 - 4), and all other stretch bows the second one."""
+    made = equilibria(np.array([[1.0, 4.0]]), np.array([[3.0, 0.0]]), np.ones(1), np.zeros(1))
+    np.testing.assert_allclose(made.saddle, [[-1.0, 2.0]])
 
 
 @pytest.mark.equation(6, 25)

@@ -173,8 +173,12 @@ def test_maps_of_several_axes_lie_in_rows_and_columns():
         grid = grid.reshape(-1, columns, len(keys))
         in_columns, in_rows = (grid == grid[:1]).all((0, 1)), (grid == grid[:, :1]).all((0, 1))
         assert (in_columns | in_rows).all()
-    others = [(TINY.assign_coords(C=float(C)), None, ()) for C in range(5)]
-    assert maps._in_columns(others) == (others, 3)
+    one = [(TINY.assign_coords(C=float(C)), None, ()) for C in range(10)]
+    places = (0, 1), (1, 2), (0, 2)
+    holes = [(TINY.assign_coords(C=C, temperature=T), None, ()) for C, T in places]
+    made = [(part, *maps._in_columns(part)) for part in (holes, *(one[:n] for n in range(1, 11)))]
+    assert all(panels == part for part, panels, _ in made)
+    assert [columns for *_, columns in made] == [3, 2, 2, 3, 2, 3, 3, 4, 4, 3, 4]
 
 
 def test_panels_of_times_share_their_colours_and_one_bar():

@@ -104,7 +104,7 @@ def test_a_history_is_legible_in_a_column_of_any_layout(layout, monkeypatch):
 def test_on_a_page_of_many_maps_no_text_lies_over_another(monkeypatch):
     names = {"device": "number {}", "shape": "shape {}", "direction": "{}z"}
     named = [{key: name.format(i) for key, name in names.items()} for i in range(12)]
-    cells = [CELLS.assign_coords(each, C=7.5 + i) for i, each in enumerate(named)]
+    cells = [CELLS.assign_coords(each | {"C": 7.5 + i}) for i, each in enumerate(named)]
     monkeypatch.setattr(style, "save", lambda figure, *_: style.lay_out(figure))
     with style.saved("maps", CELLS.attrs, 3.6, 2) as figure:
         maps.draw_maps(figure, [(part, make_found().isel(C=0), ()) for part in cells], "f0", "N")

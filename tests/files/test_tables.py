@@ -36,7 +36,7 @@ def test_a_table_is_written_with_units_in_as_many_digits_as_errors_allow(tmp_pat
 
 
 def test_a_file_is_read_up_to_its_largest_size(tmp_path):
-    (tmp_path / "table.csv").write_bytes(b"12345")
-    assert read_named(tmp_path / "table.csv", 5, "write less") == b"12345"
-    with pytest.raises(ValueError, match="write less"):
-        read_named(tmp_path / "table.csv", 4, "write less")
+    (tmp_path / "table.csv").write_bytes(b"1" * 3_000_000)
+    assert read_named(tmp_path / "table.csv", 3_000_000, "write less") == b"1" * 3_000_000
+    with pytest.raises(ValueError, match=r"^has 3 MB; write less$"):
+        read_named(tmp_path / "table.csv", 2_999_999, "write less")

@@ -127,7 +127,7 @@ def test_both_directions_are_written_as_both_and_others_as_they_are(direction):
     written = {"+z": None, ("+z", "-z"): "both"}.get(direction, direction)
     shocks = make_shocks(direction=direction)
     assert shocks.section() == ({"pulse": {"direction": written}} if written else {})
-    assert make_shocks(shocks.values()).direction == shocks.direction
+    assert make_shocks(shocks.values()).direction == shocks.part({}).direction == shocks.direction
 
 
 def test_the_strongest_blow_of_a_train_may_pull_and_a_blow_begins_at_its_begin():
@@ -302,12 +302,10 @@ def test_blows_far_apart_with_damping_are_blows_alone(handout):
     """And N_static and velocity_change are those of one blow."""
     calm = varied(handout, damping=0.02)  # the beam rings no longer than its mass
     how = {"model": "cosines", "horizon": 500.0}
-    asked = {"C": [25.0]}
     trains = {"train": [BLOW]}, {"train": [BLOW, {"wait": 9000.0}, BLOW]}
-    pulse, alone, two = (
-        snapmap.threshold(Study(calm, pulse=push, **how), f0, **asked).squeeze()
-        for f0, push in (([2000.0], "half sine"), (None, trains[0]), (None, trains[1]))
-    )
+    asked = ([2000.0], "half sine"), *((None, pushes) for pushes in trains)
+    studies = ((Study(calm, pulse=push, **how), f0) for f0, push in asked)
+    pulse, alone, two = (snapmap.threshold(*each, [25.0]).squeeze() for each in studies)
     for key in ("N_first", "N_error", "N_always", "t_snap"):
         assert alone[key] == pulse[key]
     assert abs(two.N_first - pulse.N_first) <= pulse.N_error + two.N_error

@@ -100,7 +100,7 @@ def extremes(model, pulse, N, C):
     watched = watch(model, cells, dt, steps, "first", stress)
     seen = [[w.min(0), w.max(0), s.max(0)] for _, (w, s) in watched]
     each = (record(model, cells.take([i]), dt[[i]], jumps=True)[1] for i in range(N.size))
-    alone = [[part.y for part in motions] for motions in each]
+    alone = [[part.y for part in parts] for parts in each]
     ways = [(np.concatenate(y).min(), np.concatenate(y).max()) for y in alone]
     lows, highs, most = np.array(seen).swapaxes(0, 1)
     values = np.stack([lows.min(0), highs.max(0), most.max(0), *np.transpose(ways)])

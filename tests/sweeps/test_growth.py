@@ -30,11 +30,8 @@ STUDY = THREE_COSINES + "run: {horizon: 200 us, until: snap}"
 def study(N, f0, C=(25.0,), model="cosines"):
     """A study of values in multiples of g, Hz and uN us/um."""
     document = yaml.safe_load(STUDY)
-    document["sweep"] = {
-        "N": [float(value) for value in N],
-        "f0": [f"{value!r} Hz" for value in map(float, f0)],
-        "C": [f"{value!r} uN*us/um" for value in map(float, C)],
-    }
+    document["sweep"] = {"N": [*map(float, N)], "f0": [f"{float(value)!r} Hz" for value in f0]}
+    document["sweep"]["C"] = [f"{float(value)!r} uN*us/um" for value in C]
     if model == "auto":
         document["model"] = {"name": "auto"}
     return load_config(document)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from known_model import Known
+from small_studies import cases_of
 from varied import alone
 
 import snapmap
@@ -14,7 +15,7 @@ from snapmap.pulse.pulse import make_pulse
 from snapmap.solver.adaptive import Survey
 from snapmap.solver.cells import to_rows
 from snapmap.solver.settings import Run
-from snapmap.thresholds import verified
+from snapmap.thresholds import surface, verified
 from snapmap.thresholds.probe import Probe, nearby
 from snapmap.thresholds.search import FAST_PULSE, RINGING, Search, is_fast, is_ringing
 from snapmap.thresholds.verified import Expected, fill
@@ -65,9 +66,7 @@ def test_a_threshold_near_a_guess_does_not_depend_on_it(handout):
     assert N[0] == N[1] == N[2] > EXACT > low[2] > N[2] / 1.0001 and np.isnan(N[3])
 
 
-@pytest.mark.parametrize(
-    ("ends", "highest"), [([1, 9], None), ([1, 9], 1.0), ([0.91, 0.93, 1, 9], None)]
-)
+@pytest.mark.parametrize(("ends", "highest"), cases_of(__file__))
 def test_a_verified_threshold_is_as_near_as_its_bar_says(handout, monkeypatch, ends, highest):
     """None is where it is expected a thousandth off, or where a row snaps below it, too."""
     monkeypatch.setattr(verified, "least_amplitudes", lambda model, rows, start: 0.1 + 0 * rows.f0)
@@ -81,6 +80,13 @@ def test_a_verified_threshold_is_as_near_as_its_bar_says(handout, monkeypatch, e
     np.testing.assert_allclose(made["N_error"], 0.0201 * exact + abs(exact - N), atol=7.2e-5)
     np.testing.assert_array_equal(made["N_always"], made["N_first"] if not highest else np.nan * N)
     np.testing.assert_allclose([made["N_looked"], made["level"]], [1.9 * N, level])
+
+
+def test_a_row_latches_from_the_lowest_N_on_above_which_all_do(handout, monkeypatch):
+    monkeypatch.setattr(surface, "steps_and_seconds", lambda *_: np.ones((2, 1, 1)))
+    low, high = np.array([1.0, 1.6, 1.0, np.nan]), np.array([2.0, 2.0, 1.4, 2.0])
+    found = surface.lowest_latched(Probe(Known(batch([handout])), SLOW, Run()), low, high)
+    np.testing.assert_allclose(found, [1.01**41, 1.6, np.nan, np.nan])
 
 
 def test_rows_ring_or_are_fast_by_their_pulse_and_damper(handout):

@@ -219,10 +219,8 @@ def test_names_of_a_call_are_known_missing_or_asked_for():
     assert one_time([]) == {"f0": "missing; write f0 or duration"}
     parameters = inspect.signature(lambda a, b, *, c: None).parameters
     values, faults = by_name("f", parameters, (1, 2, 3), {"a": 4, "c": 5})
-    assert values == {"a": 4, "b": 2, "c": 5} and faults == {
-        "f": "takes 2 arguments without a name, not 3",
-        "a": "comes twice; write it once",
-    }
+    wrong = {"f": "takes 2 arguments without a name, not 3", "a": "comes twice; write it once"}
+    assert values == {"a": 4, "b": 2, "c": 5} and faults == wrong
 
 
 @pytest.mark.parametrize("name", OF_UNITS)
@@ -281,6 +279,6 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     shots = {"N": [800, 900, 950, 1000, 1050, 1200], "tripped": [0, 0, 0, 1, 1, 1]}
     ranges = {"thickness": ("1.7 um", "2300 nm")}, {"thickness": [1.7, 2.3] * U.um}
     times = ["1 ms"] * 6, [1 * U.ms] * 6
-    asked = zip(({"duration": time} for time in times), ranges, strict=True)
-    fits = [snapmap.calibrate(study, shots | time, unknown, C=25) for time, unknown in asked]
+    asked = [(shots | {"duration": time}, some) for time, some in zip(times, ranges, strict=True)]
+    fits = [snapmap.calibrate(study, *each, C=25) for each in asked]
     assert fits[0].estimate.item() == fits[1].estimate.item()
