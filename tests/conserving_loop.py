@@ -21,9 +21,8 @@ def follow(model, pulse, amplitude, f0, C, dt, steps):
     for n in range(steps):
         way = device.stop_away if y > y_old else device.stop_toward
         if abs(y) > way and y * (y - y_old) > 0:
-            bounced = bounce(
-                device, k, a, np.copysign(way, y), (y_old + y) / 2, (y - y_old) / dt, x
-            )
+            middle, speed = (y_old + y) / 2, (y - y_old) / dt
+            bounced = bounce(device, k, a, np.copysign(way, y), middle, speed, x)
             place, turned, pushed, taken = bounced
             x += (y_old + y) / 2 - place
             y_old, y = place - turned * dt / 2, place + turned * dt / 2

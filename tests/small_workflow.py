@@ -9,9 +9,8 @@ from multiprocessing import get_context
 from tempfile import NamedTemporaryFile
 
 FORKS = get_context("forkserver")  # it has no threads, which could hold a lock in a fork
-FORKS.set_forkserver_preload(
-    ["snakemake.cli", "snakemake.report.html_reporter", "smart_open", "nbformat", "netCDF4"]
-)
+PRELOADED = "snakemake.cli", "snakemake.report.html_reporter", "smart_open", "nbformat", "netCDF4"
+FORKS.set_forkserver_preload([*PRELOADED])
 
 
 def snakemake(root, folder, config, *options, cores="2", check=True, snakefile="Snakefile"):

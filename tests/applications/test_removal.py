@@ -15,9 +15,8 @@ import snapmap
 from snapmap.applications import attached
 
 FIRST = {name: getmodule(type(part)).__doc__.splitlines()[0] for name, part in attached().items()}
-IMPORTS = {
-    name: {*re.findall(r"\w+", first.partition("Imports:")[2])} for name, first in FIRST.items()
-}
+NAMED = {name: first.partition("Imports:")[2] for name, first in FIRST.items()}
+IMPORTS = {name: {*re.findall(r"\w+", words)} for name, words in NAMED.items()}
 """What the first line of each application says that it imports; test_project.py checks it."""
 INNER = [name for name in IMPORTS if name in set().union(*IMPORTS.values())]
 LEAVES = [name for name in IMPORTS if name not in INNER]

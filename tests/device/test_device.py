@@ -137,9 +137,8 @@ def test_modulus_stress_and_damping_follow_the_temperature_whatever_the_way(sili
 def test_the_axis_is_the_device_with_other_values(silicon):
     how = {"model": "cosines", "horizon": 0}
     asked, C = {"f0": [1500.0]}, 25 * (393.15 / 293.15) ** 0.7
-    along = snapmap.threshold(
-        Study(silicon, **how), C=[25.0], **asked, axes={"temperature": [-40.0, 20.0, 120.0]}
-    )
+    axes = {"temperature": [-40.0, 20.0, 120.0]}
+    along = snapmap.threshold(Study(silicon, **how), C=[25.0], **asked, axes=axes)
     hot = replace(silicon.at(120.0), damper_exponent=0.0)
     alone = snapmap.threshold(Study(hot, **how), C=[C], **asked)
     assert along.N_first.values[2].item() == pytest.approx(alone.N_first.item(), rel=1e-9)

@@ -127,9 +127,8 @@ def test_the_velocity_change_is_the_area_of_the_pulse_times_its_peak_and_duratio
 
 def test_crosses_of_lines_without_thresholds_stand_in_rows():
     found = make_found()
-    ax = drawn(
-        thresholds.draw_thresholds, found.assign(N_first=found.N_first.where(found.f0 < 1e3))
-    )
+    partly = found.assign(N_first=found.N_first.where(found.f0 < 1e3))
+    ax = drawn(thresholds.draw_thresholds, partly)
     rows = [line for line in ax.lines if line.get_marker() == "x"]
     assert [line.get_color() for line in rows] == [look[0] for look in curves.LOOKS[:2]]
     for line, height in zip(rows, (0.975, 0.945), strict=True):

@@ -119,9 +119,8 @@ def test_a_cell_that_another_step_contradicts_is_in_no_other_state_and_nothing_i
     words = legend_words(end_map(cells))
     assert words == ["tripped, settled (2 cells)", "ends elsewhere with another step (4 cells)"]
     counted = with_summary(cells)
-    assert summary(counted).startswith(
-        "6 cells, all settled; 4 on another side with a smaller time step; "
-    )
+    line = "6 cells, all settled; 4 on another side with a smaller time step; "
+    assert summary(counted).startswith(line)
     assert not any("proven" in state.words for state in S.STATES)
 
 

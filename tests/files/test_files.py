@@ -203,10 +203,8 @@ def test_without_locks_files_are_read_and_written_or_the_remedy_is_named(cube, t
         return subprocess.run(command, env=no_locks, stderr=subprocess.PIPE, text=True).stderr
 
     assert opened("") == "" and (tmp_path / "cube.nc.nc").exists()
-    assert opened("import netCDF4").endswith(
-        f"{path}: cannot be locked; set HDF5_USE_FILE_LOCKING=FALSE, or import snapmap before "
-        "netCDF4\n"
-    )
+    remedy = "set HDF5_USE_FILE_LOCKING=FALSE, or import snapmap before netCDF4\n"
+    assert opened("import netCDF4").endswith(f"{path}: cannot be locked; {remedy}")
 
 
 def test_a_fingerprint_is_that_of_the_seal_or_of_the_content(cube, tmp_path):

@@ -85,9 +85,8 @@ def test_a_pulse_made_by_hand_is_right_or_refused_in_a_line():
             with pytest.raises(ValueError, match=rf"\Apulse: pieces .*{fault}.*\Z"):
                 Pulse("mine", pieces)
     for value in (0.0, -1.0, np.nan, "1 kg"):
-        with pytest.raises(
-            ValueError, match=r"\Apulse: duration .*(is not a number above 0|convert to us)"
-        ):
+        line = r"\Apulse: duration .*(is not a number above 0|convert to us)"
+        with pytest.raises(ValueError, match=line):
             Pulse("mine", PIECES, duration=value)
     with pytest.raises(ValueError, match=r"\Apulse: name 3 is not text\Z"):
         Pulse(3, PIECES)
@@ -195,9 +194,8 @@ def test_a_recorded_half_sine_is_a_half_sine(handout, tmp_path):
     assert pulse.peak == pytest.approx(37 * 9.80665e-6) and np.isnan(make_pulse().peak)
     how = {"model": "cosines"}
     asked = {"C": [25.0]}
-    exact = snapmap.threshold(
-        Study(handout, pulse="half sine", **how), [2000.0, 5000.0], **asked
-    ).N_first
+    study = Study(handout, pulse="half sine", **how)
+    exact = snapmap.threshold(study, [2000.0, 5000.0], **asked).N_first
     for f0, N in zip((None, [5000.0]), exact.values[0], strict=True):
         edge = snapmap.threshold(Study(handout, pulse=pulse, **how), f0, **asked)
         assert edge.f0.item() == pytest.approx(5000.0 if f0 else 2000.0)
@@ -305,10 +303,9 @@ def test_blows_far_apart_with_damping_are_blows_alone(handout):
     calm = varied(handout, damping=0.02)  # the beam rings no longer than its mass
     how = {"model": "cosines", "horizon": 500.0}
     trains = {"train": [BLOW]}, {"train": [BLOW, {"wait": 9000.0}, BLOW]}
-    pulse, alone, two = (
-        snapmap.threshold(Study(calm, pulse=push, **how), f0, [25.0]).squeeze()
-        for f0, push in (([2000.0], "half sine"), (None, trains[0]), (None, trains[1]))
-    )
+    asked = ([2000.0], "half sine"), *((None, pushes) for pushes in trains)
+    studies = ((Study(calm, pulse=push, **how), f0) for f0, push in asked)
+    pulse, alone, two = (snapmap.threshold(*each, [25.0]).squeeze() for each in studies)
     for key in ("N_first", "N_error", "N_always", "t_snap"):
         assert alone[key] == pulse[key]
     assert abs(two.N_first - pulse.N_first) <= pulse.N_error + two.N_error

@@ -80,9 +80,8 @@ def test_a_step_changed_to_and_fro_leaves_a_run_as_it_was(damped, contact):
     change = njit(lambda *given: change_step(*given))
     change(work, shape, laws, 0, dt[0] / 4, 0, state, task)
     assert X[R.DT] <= dt[0] / 4 and X[R.OVERLAP] == before[R.OVERLAP]
-    assert X[R.M] * X[R.DY] ** 2 / X[R.DT] ** 2 == pytest.approx(
-        before[R.M] * before[R.DY] ** 2 / dt[0] ** 2, rel=1e-12
-    )
+    energy = before[R.M] * before[R.DY] ** 2 / dt[0] ** 2
+    assert X[R.M] * X[R.DY] ** 2 / X[R.DT] ** 2 == pytest.approx(energy, rel=1e-12)
     change(work, shape, laws, 0, dt[0], 0, state, task)
     state_rows = slice(R.STATE, R.VECTORS)
     np.testing.assert_allclose(X[state_rows], before[state_rows], rtol=1e-9, atol=1e-12)

@@ -156,10 +156,8 @@ def test_of_a_law_that_gives_energy_nothing_is_proven(handout):
     built = (build_model(batch([handout]), Cosines(modes=3, laws=laws)) for laws in models)
     plain, same, none = (least_amplitudes(model, rows).item() for model in built)
     assert plain == same > 0 == none
-    passive, *giving = (
-        follow(handout, COSINES, laws_of(damping=damping), 25.0, Run(horizon=1500.0))
-        for damping in (linear_drag, *GIVING)
-    )
+    drags, run = (laws_of(damping=drag) for drag in (linear_drag, *GIVING)), Run(horizon=1500.0)
+    passive, *giving = (follow(handout, COSINES, drag, 25.0, run) for drag in drags)
     assert np.isfinite(passive.t_settled).any()
     for ours in giving:
         assert np.isnan(ours.t_settled).all() and ours.energy_error.max() < 1e-3
@@ -261,12 +259,10 @@ def test_all_that_takes_a_model_takes_laws(handout):
     for name, laws in (("own", None), ("law", {"damping": linear_drag})):
         how = {"model": snapmap.Cosines(modes=3, laws=laws), "horizon": 0.0}
         shock = {"N": 1100.0, "f0": 1500.0, "C": 25.0}
-        made[name] = (
-            snapmap.design(Study(handout, **how), "thickness", between=(2.0, 2.2), **shock),
-            snapmap.tolerance(
-                Study(handout, **how), {"thickness": "2 %"}, *asked, samples=8
-            ).N_mean.item(),
-        )
+        study = Study(handout, **how)
+        designed = snapmap.design(study, "thickness", between=(2.0, 2.2), **shock)
+        of_batch = snapmap.tolerance(study, {"thickness": "2 %"}, *asked, samples=8)
+        made[name] = designed, of_batch.N_mean.item()
     (of_own, mean), (of_law, mean_of_law) = made.values()
     assert abs(of_own.value - of_law.value) < of_own.error + of_law.error
     assert mean_of_law == pytest.approx(mean, rel=1e-3)

@@ -17,10 +17,8 @@ if not IS_X86:
 OTHERS = {"another": ANOTHER}
 if IS_X86:
     OTHERS["any with FMA"] = {"OPENBLAS_CORETYPE": "Zen", "NUMBA_CPU_NAME": "x86-64-v3"}
-    OTHERS["no wide vectors"] = {
-        "OPENBLAS_CORETYPE": "SkylakeX",
-        "NPY_DISABLE_CPU_FEATURES": "X86_V4 X86_V3",
-    }
+    OTHERS["no wide vectors"] = {"NPY_DISABLE_CPU_FEATURES": "X86_V4 X86_V3"}
+    OTHERS["no wide vectors"]["OPENBLAS_CORETYPE"] = "SkylakeX"
 
 
 def compute(root, folder, processor):

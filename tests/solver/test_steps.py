@@ -35,9 +35,8 @@ def test_a_strike_tightens_a_single_cosine_by_the_closed_form(handout):
 def test_in_runs_to_the_end_a_tension_turns_the_fastest_mode_of_any_model_alike(handout):
     """Per step, but for what more cosines change of the slowest mode, by which steps count."""
     modals = [build_model(handout, Cosines(cosines)) for cosines in (5, 11, 17)]
-    stay, snap = (
-        [model.steps.longest[question].item() for model in modals] for question in (STAY, SNAP)
-    )
+    longest = [model.steps.longest for model in modals]
+    stay, snap = ([steps[question].item() for steps in longest] for question in (STAY, SNAP))
     turns = [np.sqrt(model.modal.geometric[-1, -1]) for model in modals]
     np.testing.assert_allclose(np.multiply(stay, turns), stay[0] * turns[0], rtol=0.1)
     np.testing.assert_allclose(snap, snap[0], rtol=0.1)

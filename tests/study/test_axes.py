@@ -23,12 +23,9 @@ from snapmap.workflow.plan import make_plan
 
 SHOCK = {"N": [700.0, 900.0, 1100.0, 1300.0], "f0": [900.0, 4000.0], "C": [0.5, 30.0]}
 CHEAP = {"model": "3 cosines", "horizon": 100.0}
-MODELS = {
-    "elements": {"model": "3 elements"},
-    "cosines": {"model": "3 cosines"},
-    "auto": {"model": "auto"},
-    "reference": {"model": snapmap.Reference(elements=2), "until": "snap"},
-}
+MODELS = {name: {"model": f"3 {name}"} for name in ("elements", "cosines")}
+MODELS["auto"] = {"model": "auto"}
+MODELS["reference"] = {"model": snapmap.Reference(elements=2), "until": "snap"}
 
 
 def same(cube, other):

@@ -52,9 +52,8 @@ def test_other_packages_are_other_code(changed, monkeypatch):
     assert all(re.fullmatch("[0-9a-f]{12}", digits) for (digits,) in before)
     if changed == "python":
         monkeypatch.setattr("platform.python_version", lambda: "3.99.0")
-    monkeypatch.setattr(
-        provenance, "version", lambda name: "99" if name == changed else found(name)
-    )
+    version = lambda name: "99" if name == changed else found(name)  # noqa: E731
+    monkeypatch.setattr(provenance, "version", version)
     numbers, drawing = (now != then for now, then in zip(hashes(), before, strict=True))
     provenance._packages.cache_clear()
     assert numbers != drawing and drawing == (changed in ("matplotlib", "plotly"))

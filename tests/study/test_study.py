@@ -59,9 +59,8 @@ def test_a_part_of_a_study_has_the_names_that_are_kept(handout):
     named = {"a": handout, "b": varied(handout, rise=9.0)}
     study = Study(named, pulse=["half sine", "sawtooth"], direction="both", until="snap")
     part = study.part({"device": ["b"], "shape": ["sawtooth"], "direction": ["-z"]})
-    assert part.device == {"b": named["b"]} and part.shocks.section() == {
-        "pulse": {"shape": ["sawtooth"], "direction": ("-z",)}
-    }
+    pulse = {"shape": ["sawtooth"], "direction": ("-z",)}
+    assert part.device == {"b": named["b"]} and part.shocks.section() == {"pulse": pulse}
     assert study.part({"shape": ["half sine", "sawtooth"], "direction": ["+z", "-z"]}) == study
     assert [*study.devices()] == ["a", "b"] and Study(handout).devices() == {"device": handout}
     assert study.document(["until"])["run"] == {"until": "snap"} != study.document()["run"]

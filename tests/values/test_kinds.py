@@ -23,11 +23,8 @@ from snapmap.values.units import USUAL, by_pint, of_file, require_unit, spelling
 
 U = pint.UnitRegistry()
 CASES = cases_of(__file__)
-KINDS = {
-    name: kind
-    for name, alias in vars(quantities).items()
-    if isinstance(kind := kind_of(alias), Quantity)
-}
+KINDS = {name: kind_of(alias) for name, alias in vars(quantities).items()}
+KINDS = {name: kind for name, kind in KINDS.items() if isinstance(kind, Quantity)}
 OF_UNITS = [name for name in KINDS if KINDS[name].unit]
 
 
@@ -273,10 +270,8 @@ def test_text_with_a_unit_is_taken_wherever_a_value_is(handout):
     times = snapmap.sampled(["0 ms", "0.1 ms", "0.4 ms"], [0, 1, 0])
     assert times.duration == snapmap.sampled([0, 0.1, 0.4] * U.ms, [0, 1, 0]).duration == 400.0
     wrong = {"drop": {"height": 1 * U.s, "duration": 500}}
-    for key, value, path in (
-        ("pulse", wrong, "pulse.drop.height"),
-        ("horizon", 1 * U.m, "horizon"),
-    ):
+    cases = ("pulse", wrong, "pulse.drop.height"), ("horizon", 1 * U.m, "horizon")
+    for key, value, path in cases:
         with pytest.raises(ValueError, match=rf"\A{path}: .* does not convert to u[ms].*\Z"):
             snapmap.Study(handout, **{key: value})
     with pytest.raises(ValueError, match=r"\Atime: .* does not convert to us.*\Z"):

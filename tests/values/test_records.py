@@ -38,9 +38,8 @@ def test_a_fault_of_a_mapping_within_has_its_path():
 def test_all_faults_of_a_record_are_told_at_once():
     lines = rf"\Abeam\.span: .*\nbeam\.depth: .*\nspring: .*\n{'contact: .*'}\Z"
     with pytest.raises(ValueError, match=lines):
-        snapmap.Device(
-            beam=BEAM | {"span": -1.0, "depth": "1 kg"}, **MOVES | {"spring": -1, "contact": []}
-        )
+        wrong = MOVES | {"spring": -1, "contact": []}
+        snapmap.Device(beam=BEAM | {"span": -1.0, "depth": "1 kg"}, **wrong)
     with pytest.raises(TypeError, match=r"\Alength: is not an argument.*\nspan: missing; .*\Z"):
         snapmap.Beam(length=1.0, **{key: BEAM[key] for key in BEAM if key != "span"})
 

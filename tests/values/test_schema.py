@@ -13,10 +13,8 @@ from small_studies import cases_of
 from snapmap.applications.whole import Document
 from snapmap.values.records import hints
 
-CONFIGS = [
-    *(f"config/{name}.yaml" for name in ("arm", "config", "damped", "fine", "handout", "sensor")),
-    ".test/config/config.yaml",
-]
+NAMES = "arm", "config", "damped", "fine", "handout", "sensor"
+CONFIGS = [*(f"config/{name}.yaml" for name in NAMES), ".test/config/config.yaml"]
 NAMED = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
 
 

@@ -71,9 +71,8 @@ def test_a_profile_in_the_folder_of_a_study_is_not_read(root, tmp_path, monkeypa
     """As the workflow has one of its own, which `run` names."""
     (tmp_path / "profiles" / "default").mkdir(parents=True)
     code = "import pathlib\n  - pathlib.Path('executed').touch()"
-    (tmp_path / "profiles" / "default" / "profile.yaml").write_text(
-        f"__use_yte__: true\n__definitions__:\n  - {code}\ncores: 1\n"
-    )
+    profile = f"__use_yte__: true\n__definitions__:\n  - {code}\ncores: 1\n"
+    (tmp_path / "profiles" / "default" / "profile.yaml").write_text(profile)
     monkeypatch.chdir(tmp_path)
     own = "--workflow-profile", root / "profiles" / "default" / "profile.yaml"
     _, said = snakemake(root, tmp_path, root / ".test/config/config.yaml", *own, "--dry-run")

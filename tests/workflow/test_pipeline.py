@@ -400,9 +400,8 @@ def test_every_product_is_made_of_two_shapes_along_both_directions(clone, tmp_pa
     monkeypatch.chdir(tmp_path)
     study = study_of(EVERY_PRODUCT)
     stems = {stem for several in choose_views(study).stems.values() for stem in several}
-    stems |= {
-        stem for figures in gather(lambda part: part.figures(study)).values() for stem in figures
-    }
+    drawn = gather(lambda part: part.figures(study)).values()
+    stems |= {stem for figures in drawn for stem in figures}
     assert figures_of(tmp_path) == files_of(stems - {"explore", "window"})
     for name in ("requirements.csv", "datasheet.md"):
         text = (tmp_path / "results" / name).read_text(encoding="utf-8")

@@ -279,9 +279,8 @@ def test_a_single_record_that_snaps_at_the_top_alone_does_not_determine_the_leve
 def test_a_level_has_the_needed_rate_of_a_law_that_counts_obey():
     """ln(rate) = 2 - 3/level^2; none without a snap, or without a run."""
     counts = {rung: 16.0 * math.exp(2 - 3 * RUNG ** (-2 * rung)) for rung in range(-2, 6)}
-    ladder = {
-        rung: np.array([[count, 0.0], [0.0, 0.0], [16.0, 0.0]]) for rung, count in counts.items()
-    }
+    column = lambda count: np.array([[count, 0.0], [0.0, 0.0], [16.0, 0.0]])  # noqa: E731
+    ladder = {rung: column(count) for rung, count in counts.items()}
     found, low, high = _level(ladder, 0, 0.01)
     assert found == pytest.approx(((2 - math.log(0.01)) / 3) ** -0.5, rel=1e-6)
     assert low < found < high

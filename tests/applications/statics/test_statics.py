@@ -220,6 +220,11 @@ def test_figures_have_force_and_energy_over_the_way_and_mark_both_shapes_and_the
             np.testing.assert_array_equal(points, [expected.displacement, expected[key]])
         np.testing.assert_allclose(stable, [[0, second], heights[:2]], rtol=1e-4)
         np.testing.assert_allclose(unstable, [[saddle], heights[2:]], rtol=1e-4)
+        # A path that is not physical is cut off only beyond half the heights of the real one.
+        less = path[key].where(path.branch == "guided", 1.4 * path[key].sel(branch="guided"))
+        for shown, count in ((path[key], 1), (less, 0)):
+            labels = [line.get_label() for line in drawn(draw, path.assign({key: shown})).lines]
+            assert sum("cut off" in label for label in labels) == count
 
 
 @pytest.mark.usefixtures("paper")
