@@ -15,9 +15,9 @@ def ax(paper):
 
 
 def test_what_snaps_of_each_C_is_shaded(ax):
-    region, other = artists(ax, Polygon)
+    (region, other), (shade,) = artists(ax, Polygon), ax.figure.legends[0].get_patches()
+    assert application.size == (3.6, 1) and shade.get_alpha() == 0.3
     assert legend_words(ax)[-1] == "snaps, in the colour of its line"
-    assert application.size == (3.6, 1)
     assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
     looks = {(one.get_alpha(), one.get_linewidth(), one.get_zorder()) for one in (region, other)}
     assert looks == {(0.12, 0, 0)}  # beneath all else
@@ -42,7 +42,7 @@ def test_thresholds_lie_over_the_velocity_change_between_their_limits(ax):
     assert {(guide.get_linewidth(), guide.get_zorder()) for guide in guides} == {(0.5, 1)}
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
     names = {float(note.get_text().removesuffix(" ms")): note.xy for note in ax.texts}
-    assert {*names} == {10.0, 1.0, 0.1}
+    assert {*names} == {10.0, 1.0, 0.1} and {note.xyann for note in ax.texts} == {(0, 2), (2, 0)}
     assert [x / y for x, y in names.values()] == pytest.approx([5e-3 * ms for ms in names])
 
 
