@@ -277,7 +277,7 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
 @pytest.mark.usefixtures("paper")
 def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scattered):
     lost, spread = int((scattered.bistable == 0).sum()), scattered.N_std / scattered.N_mean
-    spread = f"{100 * spread.min():.2g} to {100 * spread.max():.2g}"
+    spread = f"{100 * spread.min():.1f} to {100 * spread.max():.1f}"
     words = CASES["words"].format(lost=lost, spread=spread)
     words_of = [figure.words_of(key) for key in ("thickness+depth", "N", "duration")]
     told = [dataset.summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
