@@ -71,11 +71,10 @@ def test_ends_of_windows_are_exact_with_their_errors(handout, needs, between, lo
     made = snapmap.design(handout, "thickness", requirements=asked, between=between, C=25.0)
     part = (between[1] - between[0]) / 32 / 512
     for side, (value, source) in zip(SIDES, (low, high), strict=True):
-        bar = 0.005 * (value < 2.5) * (1 + (value > 1.5 - part))
-        bar = 0.0 if source == "between" else part / 2 + bar
+        bar = part / 2 + (value < 2.5) * (0.01 if value > 1.5 - part else 0.005)
         end, error, name = made[side], made[f"{side}_error"], made[f"{side}_from"]
         assert end.item() == pytest.approx(value, abs=part if value == 2.5 else 1e-9)
-        assert error.item() == pytest.approx(bar) and name.item() == source
+        assert error.item() == pytest.approx(bar * (source != "between")) and name.item() == source
         assert end.units == error.units == "um" and not name.attrs
     within = (made.tried >= low[0]) & (made.tried <= high[0]) & (made.tried < 2.5)
     assert (made.met.all("requirement") == within).all()

@@ -71,6 +71,7 @@ def test_statistics_count_what_never_snaps():
     assert dataset.quantiles(N_first, [0.25, 0.5, 0.75])[:, 0].tolist() == [1, 2, 3]
     assert np.isnan(dataset.quantiles(N_first, [0.9])).all()
     assert [*dataset.moments(N_first)] == [2.0, 1.0]
+    np.testing.assert_array_equal(dataset.moments(N_first[:1]), [[3.0], [np.nan]])
 
 
 def test_bounds_of_a_quantile_are_order_statistics():
@@ -276,7 +277,7 @@ def test_yields_and_requirements_are_drawn_as_they_are(scattered):
 @pytest.mark.usefixtures("paper")
 def test_words_on_a_batch_and_shares_of_each_damping_and_of_unbroken_beams(scattered):
     lost, spread = int((scattered.bistable == 0).sum()), scattered.N_std / scattered.N_mean
-    spread = f"{100 * spread.min():.2g} to {100 * spread.max():.2g}"
+    spread = f"{100 * spread.min():.1f} to {100 * spread.max():.1f}"
     words = CASES["words"].format(lost=lost, spread=spread)
     words_of = [figure.words_of(key) for key in ("thickness+depth", "N", "duration")]
     told = [dataset.summary(scattered), figure.batch_text(scattered), figure.fire_words(scattered)]
@@ -323,8 +324,8 @@ def test_shares_that_stay_are_drawn_from_where_all_above_stay(scattered):
     assert half.get_ydata() == pytest.approx([N[50], N[63], np.nan], nan_ok=True)
     assert np.isnan(most.get_ydata()).all()
     assert half.get_label() == "50 % latched at all $N$ above"
-    *_, dots = drawn(figure.draw_probability, data.isel(f0=[1])).lines
-    assert [*dots.get_ydata()] == [*share[1]]
+    ax = drawn(figure.draw_probability, data.isel(f0=[1]))
+    assert [*ax.lines[-1].get_ydata()] == [*share[1]] and ax.get_xlim() == (N[0], N[-1])
 
 
 def test_a_yield_names_what_it_leaves_out(monkeypatch):

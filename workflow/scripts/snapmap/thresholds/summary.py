@@ -44,8 +44,9 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
     N_first, status = thresholds.N_first, thresholds.status
     exists = np.isfinite(N_first.values)
     N, error = N_first.values[exists], thresholds.N_error.values[exists]
-    ends = [to_digits(N[i], error[i]) for i in (N.argmin(), N.argmax())] if N.size else []
-    ends = f"from N = {' to '.join(ends)}, " if N.size else ""
+    places = (N.argmin(), N.argmax()) if N.size else ()
+    ends = dict.fromkeys(to_digits(N[i], error[i]) for i in places)
+    ends = f"{'from' if len(ends) > 1 else 'at'} N = {' to '.join(ends)}, " if ends else ""
     known = (error / N)[np.isfinite(error)]
     typical = f"{100 * np.median(known):.2f} %" if known.size else "unknown"
     ragged = int(thresholds.ragged.where(N_first.notnull(), 0).sum())
@@ -62,8 +63,7 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
         "below": (N_first > highest) | (status == NOTHING_SNAPS) & (highest < np.inf),
     }
     for side, rows in beyond.items():
-        maps = rows.all("f0")
-        if maps.any():
+        if (maps := rows.all("f0")).any():
             where = f" in {int(maps.sum())} of {maps.size} maps" if maps.size > 1 else ""
             line += f"; the grid lies wholly {side} the threshold{where}"
     if thresholds.sizes.get("direction", 1) < 2:

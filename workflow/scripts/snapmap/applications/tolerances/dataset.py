@@ -410,11 +410,10 @@ def _stresses(batch, study, requirements, C):
 def summary(tolerance: xr.Dataset) -> str:
     """Write in a line the number of samples, the scatter of thresholds and its cause, the yield."""
     size, missing = tolerance.bistable.size, int((tolerance.bistable == 0).sum())
-    spread = 100 * (tolerance.N_std / tolerance.N_mean).values
-    spread = spread[np.isfinite(spread)]
+    spread = (tolerance.N_std / tolerance.N_mean).values
     words = [f"{size} samples", f"{missing} without a second stable shape"]
-    if spread.size:
-        words.append(f"thresholds scatter by {spread.min():.2g} to {spread.max():.2g} %")
+    if np.isfinite(spread).any():
+        words.append(f"thresholds scatter by {percents(*spread.ravel())}")
     total = tolerance.sensitivity.sel(order="total")
     total = total.mean([dim for dim in total.dims if dim != "value"])
     if total.notnull().any():

@@ -27,6 +27,7 @@ NOMINAL["label"] = "threshold of the nominal device"
 LATCHED = "#0072b2"
 STAYED = {"color": LATCHED, "marker": ".", "linestyle": "", "clip_on": False}
 STAYED["label"] = "share that stays snapped"
+SNAPPED = "share of devices that snap at or below $N$"
 STAYING = {0.5: "white", 0.99: LATCHED}
 """Colours of markers, by the share that stays in the second shape at this N and all above."""
 SHARES = LinearSegmentedColormap.from_list("shares", [cell.colour for cell in states.SNAPS[:2]])
@@ -84,12 +85,12 @@ def _draw_panels(stem, panels, draw, shares=None):
             draw_yield(above[0].subplots(), shares)
         fields = [field for ax in lower.axes for field in ax.findobj(QuadMesh)]
         if fields:
-            lower.colorbar(fields[0], ax=lower.axes, aspect=30, label="share of devices that snap")
+            lower.colorbar(fields[0], ax=lower.axes, aspect=30, label=SNAPPED)
         style.legend(figure, style.labelled(figure.axes), batch_text(panels[0]))
 
 
 def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
-    """Draw the share of devices that snap over f0 and N, or over N alone if there is one f0.
+    """Draw the share of devices that snap up to N, over f0 and N, or over N alone at one f0.
 
     data: of one C; lines where 1, 10, 50, 90 and 99 % snap, and the nominal threshold
     """
@@ -106,7 +107,7 @@ def draw_probability(ax: Axes, data: xr.Dataset) -> Axes:
             ax.axvline(data[key].item(), label=fire_words(data), **FIRE)
         if "latched" in data:
             ax.plot(N.values, shares.latched.values, **STAYED)
-        ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel="share of devices that snap")
+        ax.set(xlabel=scales.axis_label("N", data.attrs), ylabel=SNAPPED)
         ax.set(xlim=ends[[0, -1]], ylim=(0, 1))
         return ax
     scales.study_axis(ax, f0)
