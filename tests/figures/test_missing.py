@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.text import Text
 from small_results import make_cells, make_found, make_verdict
+from small_studies import cases_of
 
 import snapmap
 from snapmap.applications.boundary.figure import draw_damage_boundary
@@ -22,50 +23,38 @@ from snapmap.pulse.shocks import make_shocks
 from snapmap.study.shock import Shock
 from snapmap.study.study import Study
 
-MODEL = {"model": "3 cosines"}
-SHORT = MODEL | {"horizon": 100.0}
-REQUIRED = {"name": "crash", "N": 2000.0, "f0": 1500.0, "snaps": True, "survives": 0.9}
-SHOTS = {"N": [800, 900, 1100, 1200], "duration": [1000.0] * 4, "tripped": [0, 0, 1, 1]}
-ROW = {"requirement": "crash", "must_snap": True, "verdict": "failed", "start": "first"}
-ROW |= {"device": "", "shape": "sine", "direction": "+z", "temperature": 20.0, "C": 25.0}
-ROW |= {"end": "stays", "share_staying": 1.0, "margin": 1.2, "margin_error": 0.1}
-ROW |= {"break_probability": 0.0, "must_survive": 0.9}
-VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in ROW.items()})
+CASES = cases_of(__file__)
+REQUIRED, SHOTS, GIVEN, SAYING = (CASES[key] for key in ("required", "shots", "given", "saying"))
+VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in CASES["verdict"].items()})
 
 
 @pytest.fixture(scope="module")
 def made(handout):
     """A small result behind each figure, by the function that draws it."""
-    study = Study(handout, model={"name": "cosines", "modes": 3}, horizon=100.0)
+    study, followed = Study(handout, "3 cosines", horizon=100.0), Study(handout, "3 cosines")
     axes = {"C": [25.0], "f0": [500.0, 1500.0]}
     how = {"samples": 4, "index_samples": 4, "requirements": [REQUIRED | {"survives": True}]}
-    made = snapmap.tolerance(Study(handout, **SHORT), {"thickness": 0.05}, **axes, **how)
     points = {"thickness": np.array([1.9, 2.1]), "C": [25.0, 60.0]}
-    edges = snapmap.threshold(Study(handout, **MODEL), **axes)
+    edges = snapmap.threshold(followed, **axes)
     return {
         "cells": make_cells(["2225", "2022", "0020", "0100"]),
         "thresholds": make_found(),
         "laws": laws_of(study, study.set_out(axes), edges),
-        "history": snapmap.simulate(Study(handout, **SHORT), 1000.0, 1500.0, 25.0),
+        "history": snapmap.simulate(study, 1000.0, 1500.0, 25.0),
         "statics": snapmap.statics(handout),
-        "tolerances": made,
-        "calibration": snapmap.calibrate(study, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0),
+        "tolerances": snapmap.tolerance(study, {"thickness": 0.05}, **axes, **how),
+        "calibration": snapmap.calibrate(followed, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0),
         "verdicts": VERDICTS,
         "window": window_of(study, points, [Shock(**REQUIRED, shocks=make_shocks())]),
     }
 
 
 def verdicts_of(data):
-    columns = {key: data[key].values.tolist() for key in data}
-    rows = zip(*columns.values(), strict=True)
-    return [make_verdict(**dict(zip(columns, row, strict=True))) for row in rows]
+    return [make_verdict(**row) for row in data.to_dataframe().to_dict("records")]
 
 
 def on_axes(draw, *arguments, **options):
     return lambda data, figure: draw(figure.subplots(), data, *arguments, **options)
-
-
-UNITS = {"thickness": ("um", 1.0), "C": ("uN*us/um", 1.0)}
 
 
 def on_figure(draw, *arguments):
@@ -90,12 +79,8 @@ FIGURES = {
     **dict.fromkeys(("probability", "sensitivity", "yield"), ("tolerances", None)),
     "calibration": ("calibration", on_figure(draw_calibration)),
     "margins": ("verdicts", on_axes(lambda ax, data: draw_margins(ax, verdicts_of(data)))),
-    "window": ("window", on_figure(draw_window, UNITS)),
+    "window": ("window", on_figure(draw_window, CASES["units"])),
 }
-
-
-GIVEN = "N", "f0", "N_required", "C", "temperature", "must_survive"
-"""Numbers that a user gives: they are never missing."""
 
 
 def lost(data, kept):
@@ -104,22 +89,18 @@ def lost(data, kept):
     def lose(values):
         if values.dtype.kind != "f" or values.name in GIVEN:
             return values
-        remaining = np.arange(values.size).reshape(values.shape) < kept
-        return values.where(remaining)
+        return values.where(np.arange(values.size).reshape(values.shape) < kept)
 
     return data.map(lose, keep_attrs=True)
 
 
 def single(data):
     """The data at the first value of each axis."""
-    axes = {"f0", "N", "C", "thickness", "shot", "row", "time", "displacement", "step"}
-    return data.isel({key: [0] for key in axes & {*data.dims}})
+    return data.isel({key: [0] for key in {*CASES["axes"]} & {*data.dims}})
 
 
 LOSSES = {"missing": lambda data: lost(data, 0), "alone": lambda data: lost(data, 1)}
 LOSSES["single"] = single
-SAYING = "nothing to show: ", "no threshold", "does not snap", "not known", "cells)"
-SAYING += ("snaps at no $N$",)
 
 
 @pytest.mark.usefixtures("paper")

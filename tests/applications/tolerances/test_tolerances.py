@@ -21,10 +21,13 @@ from snapmap.applications import tolerances
 from snapmap.applications.requirements.figure import WRONG
 from snapmap.applications.tolerances import dataset, figure
 from snapmap.applications.whole import load_config
+from snapmap.device.device import batch
 from snapmap.device.samples import Plan, Scatter, Tolerances
 from snapmap.figures import style
 from snapmap.figures.states import SNAPS
 from snapmap.pulse.shocks import make_shocks
+from snapmap.solver.cells import to_cells
+from snapmap.solver.models import build_model, follow_twice
 from snapmap.study.shock import Shock
 
 CASES = cases_of(__file__)
@@ -183,6 +186,20 @@ def test_shares_that_meet_requirements_are_those_of_the_thresholds(handout):
     kept = snapmap.threshold(Study(handout, pulse="half sine", **CHEAP), [2000.0], [25.0])
     at_mean = np.interp(made.thickness.mean(), *np.sort([made.thickness, first]))
     assert at_mean == pytest.approx(kept.N_first.item(), rel=5e-3)
+
+
+def test_a_device_that_must_trip_and_comes_back_is_no_yield(handout):
+    """At four times the threshold all arrive, and as many stay as by their runs in two steps."""
+    light = varied(handout, thickness=3.0, rise=7.3, damping=2e-3)
+    study, at = Study(light, "3 cosines", pulse="half sine", horizon=4000.0), ([2000.0], [25.0])
+    made = snapmap.tolerance(study, {"thickness": {"uniform": "1 %"}}, *at, **CASES["arriving"])
+    devices = batch([varied(light, thickness=value) for value in made.thickness.values])
+    cells = to_cells(devices, np.arange(32), 5600.0, *at, 4000.0, 0, study.shocks.pulses)
+    runs = follow_twice(build_model(devices, study.model), cells, study.run.but(until="end"))
+    stay = np.mean([run.well == 2 for run in runs])
+    assert 0.1 < stay < 0.95
+    np.testing.assert_allclose(made.share_meeting.squeeze("C"), [stay, 1.0, 0.0, 1.0])
+    assert made.must_snap.values.tolist() == [1, 3, 0, 2] and made["yield"].item() == 0.0
 
 
 def test_a_requirement_is_met_under_all_its_shocks_at_all_temperatures(handout, study):
