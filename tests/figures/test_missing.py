@@ -25,7 +25,6 @@ from snapmap.study.study import Study
 
 CASES = cases_of(__file__)
 REQUIRED, SHOTS, GIVEN, SAYING = (CASES[key] for key in ("required", "shots", "given", "saying"))
-VERDICTS = xr.Dataset({key: ("row", [value] * 2) for key, value in CASES["verdict"].items()})
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +43,7 @@ def made(handout):
         "statics": snapmap.statics(handout),
         "tolerances": snapmap.tolerance(study, {"thickness": 0.05}, **axes, **how),
         "calibration": snapmap.calibrate(followed, SHOTS, {"thickness": (1.7, 2.3)}, C=25.0),
-        "verdicts": VERDICTS,
+        "verdicts": xr.Dataset({key: ("row", [one] * 2) for key, one in CASES["verdict"].items()}),
         "window": window_of(study, points, [Shock(**REQUIRED, shocks=make_shocks())]),
     }
 

@@ -101,10 +101,11 @@ def test_a_history_is_legible_in_a_column_of_any_layout(layout, monkeypatch):
     assert axes[0].get_legend() and not figure.legends
 
 
-def test_on_a_page_of_many_maps_no_text_lies_over_another(monkeypatch):
+@pytest.mark.parametrize("f0", [CELLS.f0.values, np.geomspace(1e4, 2e4, 12)])
+def test_on_a_page_of_many_maps_no_text_lies_over_another(monkeypatch, f0):
     names = {"device": "number {}", "shape": "shape {}", "direction": "{}z"}
     named = [{key: name.format(i) for key, name in names.items()} for i in range(12)]
-    cells = [CELLS.assign_coords(each | {"C": 7.5 + i}) for i, each in enumerate(named)]
+    cells = [CELLS.assign_coords(each | {"C": 7.5 + i, "f0": f0}) for i, each in enumerate(named)]
     monkeypatch.setattr(style, "save", lambda figure, *_: style.lay_out(figure))
     with style.saved("maps", CELLS.attrs, 3.6, 2) as figure:
         maps.draw_maps(figure, [(part, make_found().isel(C=0), ()) for part in cells], "f0", "N")

@@ -161,12 +161,13 @@ def tick(
         axis.set_ticks([], minor=True)
         return
     decades = math.log10(high / low) if is_log else 0.0
+    space = (beside or axis).get_tick_space() / (APART if style.is_ours(axis.axes) else LOOSE)
     if decades < SHORT:
-        axis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 3, 5, 10]))
+        last = (1 - low / high) / math.log(high / low) if is_log else 1.0  # step, over the mean one
+        most = int(np.clip(last * space, 2, 6))
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 3, 5, 10]))
     else:
-        apart = APART if style.is_ours(axis.axes) else LOOSE
-        least = apart * decades / (beside or axis).get_tick_space()
-        fitting = (subs for subs in SUBS if np.diff(np.log10([*subs, 10])).min() >= least)
+        fitting = (subs for subs in SUBS if np.diff(np.log10([*subs, 10])).min() * space >= decades)
         axis.set_major_locator(LogLocator(subs=next(fitting, (1,))))
     axis.set_major_formatter(lambda value, _: number(value, 6))
     axis.set_minor_formatter("")

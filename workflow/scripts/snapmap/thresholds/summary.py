@@ -44,8 +44,7 @@ def summary(thresholds: xr.Dataset, lowest: float = -np.inf, highest: float = np
     N_first, status = thresholds.N_first, thresholds.status
     exists = np.isfinite(N_first.values)
     N, error = N_first.values[exists], thresholds.N_error.values[exists]
-    places = (N.argmin(), N.argmax()) if N.size else ()
-    ends = dict.fromkeys(to_digits(N[i], error[i]) for i in places)
+    ends = dict.fromkeys(to_digits(N[i], error[i]) for i in (*N.argsort()[:1], *N.argsort()[-1:]))
     ends = f"{'from' if len(ends) > 1 else 'at'} N = {' to '.join(ends)}, " if ends else ""
     known = (error / N)[np.isfinite(error)]
     typical = f"{100 * np.median(known):.2f} %" if known.size else "unknown"
