@@ -32,7 +32,7 @@ CORE += ("sweeps",)
 SHELL = ("config", "figures", "workflow", "public")
 LISTING = ("public", "workflow")
 """Who reads the list of applications, which holds names alone."""
-MOST_LINES = {"applications": 4_687, "core and shell": 10_923, "tests": 12_060}
+MOST_LINES = {"applications": 4_687, "core and shell": 10_923, "tests": 12_053}
 """Most lines of code; who raises one says why in the commit."""
 LONGEST, MANY, MOST_OF_MANY = 80, 6, 40
 """Lines of the longest function; a number of parameters, and how many functions may reach it."""

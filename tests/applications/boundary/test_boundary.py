@@ -5,7 +5,6 @@ import pytest
 from matplotlib.patches import Polygon
 from small_results import artists, drawn, legend_words, make_found, visible
 
-from snapmap.applications.boundary import application
 from snapmap.applications.boundary.figure import DURATION, draw_damage_boundary
 
 
@@ -15,12 +14,10 @@ def ax(paper):
 
 
 def test_what_snaps_of_each_C_is_shaded(ax):
-    (region, other), (shade,) = artists(ax, Polygon), ax.figure.legends[0].get_patches()
-    assert application.size == (3.6, 1) and shade.get_alpha() == 0.3
+    region, other = artists(ax, Polygon)
     assert legend_words(ax)[-1] == "snaps, in the colour of its line"
     assert other.get_path().vertices[0, 1] == region.get_path().vertices[0, 1] + 1
-    looks = {(one.get_alpha(), one.get_linewidth(), one.get_zorder()) for one in (region, other)}
-    assert looks == {(0.12, 0, 0)}  # beneath all else
+    assert region.get_zorder() < min(line.get_zorder() for line in ax.lines)
     snaps = region.get_path().contains_points
     assert snaps([(1.1, 2000.0), (6.0, 1100.0), (50.0, 1010.0), (51.0, 1e5)]).all()
     assert not snaps([(0.9, 1900.0), (5.4, 1000.0), (50.0, 980.0)]).any()
@@ -39,10 +36,9 @@ def test_thresholds_lie_over_the_velocity_change_between_their_limits(ax):
     assert (upright, level) == ([0.5, 0.6], [990.0])
     guides = [line for line in ax.lines if line.get_color() == DURATION["color"]]
     v, N = guides[1].get_xydata().T
-    assert {(guide.get_linewidth(), guide.get_zorder()) for guide in guides} == {(0.5, 1)}
     assert len(guides) == 3 and N * 1e-5 / v == pytest.approx(np.full(2, 2e-3))
     names = {float(note.get_text().removesuffix(" ms")): note.xy for note in ax.texts}
-    assert {*names} == {10.0, 1.0, 0.1} and {note.xyann for note in ax.texts} == {(0, 2), (2, 0)}
+    assert {*names} == {10.0, 1.0, 0.1}
     assert [x / y for x, y in names.values()] == pytest.approx([5e-3 * ms for ms in names])
 
 

@@ -243,7 +243,7 @@ def test_each_device_has_a_file_of_its_name_if_there_may_be_several(device, name
     devices = lambda: dict.fromkeys(names)  # noqa: E731
     study = SimpleNamespace(device=device, devices=devices, model=SimpleNamespace(laws=None))
     assert application.outputs(study)["statics"] == [f"results/{path}.nc" for path in paths]
-    assert [*application.figures(study)] == paths and application.size == (3.6, 1)
+    assert [*application.figures(study)] == paths
     for force in (None, "own"):
         study.model.laws = SimpleNamespace(force=force)
         assert bool(application.outputs(study)) == (force is None)
